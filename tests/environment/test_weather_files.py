@@ -13,6 +13,7 @@ from lightflyer.environment.wind import store
 from lightflyer.environment.wind.heights import GAS_CONSTANT, altitude_of
 
 START = np.datetime64("2026-06-21T00:00", "ns")
+BEGIN = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
 TIMES = START + np.arange(4) * np.timedelta64(6, "h")
 HPA = np.array([1000.0, 500, 200, 100, 50, 20, 10, 5, 3, 2, 1])
 NORTH, EAST = np.arange(-90.0, 90.1, 2.5), np.arange(0.0, 360.0, 2.5)
@@ -42,6 +43,10 @@ def canonical():
         coords={"time": TIMES, "pressure": ("pressure", HPA, {"units": "hPa"}),
                 "latitude": NORTH, "longitude": EAST},
     )  # fmt: skip
+
+
+def coarse():
+    return canonical().isel(latitude=slice(None, None, 12), longitude=slice(None, None, 12))
 
 
 def as_height(data):
@@ -147,9 +152,8 @@ def test_a_file_as_it_is_downloaded(tmp_path, layout):
     wind = GriddedWind.from_file(path)
     told = "geopotential" if layout in (era5, icon) else "heights"
     assert f"altitudes of its levels by the {told} of the data" in wind.describe()[0]
-    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
     for index, (height, moment) in enumerate(zip(HEIGHTS, MOMENTS, strict=True)):
-        place = Place(*PLACES[index], since + moment * 21600.0)
+        place = Place(*PLACES[index], BEGIN + moment * 21600.0)
         found, state = wind.velocity(height, place), lf.Earth(wind=wind).state(height, place)
         east, north, up, temperature, pressure = independent(index)
         assert state.temperature == pytest.approx(temperature, rel=2e-4)
@@ -189,8 +193,7 @@ def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layo
     generator, low = np.random.default_rng(0), whole.reach.ends[1][0]
     latitude = np.radians([-90.0, -84.0, -50.1, -1.0, 20.0, 50.0, 83.0, 88.0, 89.9, 90.0])
     longitude = np.array([0.1, 3.1, 3.2, -3.1, 6.27, 0.01, -1.0, 4.0, 5.0, 12.0])
-    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
-    place = Place(latitude, longitude, since + 64800.0 * generator.uniform(0.0, 1.0, 10))
+    place = Place(latitude, longitude, BEGIN + 64800.0 * generator.uniform(0.0, 1.0, 10))
     altitude = generator.uniform(low, 42e3, 10)
     for order in (range(3, 10), range(9, -1, -1)):
         fresh = GriddedWind.from_file(path)
@@ -200,9 +203,9 @@ def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layo
     found = wind.velocity(altitude, place)
     np.testing.assert_allclose(found, whole.velocity(altitude, place), atol=1e-12)
     with pytest.raises(lf.ParameterError, match="not under JAX"):
-        jax.grad(lambda height: wind.velocity(height, Place(0.7, 0.2, since)).east)(30e3)
+        jax.grad(lambda height: wind.velocity(height, Place(0.7, 0.2, BEGIN)).east)(30e3)
     with pytest.raises(lf.ParameterError, match=r'altitude above .*; beyond = "gradient"'):
-        wind.velocity(60e3, Place(0.7, 0.2, since))
+        wind.velocity(60e3, Place(0.7, 0.2, BEGIN))
 
 
 def test_a_large_file_of_a_region_is_read_whatever_its_longitudes_are_called(tmp_path, monkeypatch):
@@ -249,8 +252,7 @@ def test_polar_rows_of_a_large_file_that_are_no_wind_at_some_times(tmp_path, mon
     whole = GriddedWind.from_file(tmp_path / "weather.nc")
     monkeypatch.setattr(store, "KEPT", 3000)
     wind = GriddedWind.from_file(tmp_path / "weather.nc")
-    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
-    place = Place(np.radians([90.0, 89.0, 87.5]), np.full(3, 0.4), since + 12.0 * 3600.0)
+    place = Place(np.radians([90.0, 89.0, 87.5]), np.full(3, 0.4), BEGIN + 12.0 * 3600.0)
     found = wind.velocity(30e3, place)
     np.testing.assert_allclose(found, whole.velocity(30e3, place), atol=1e-12)
     north = -np.cos(0.4) * np.sin(place.latitude)
@@ -333,13 +335,12 @@ def test_a_forecast_in_grib(tmp_path, monkeypatch, kept):
     wind = GriddedWind.from_file(tmp_path / "gfs.*")
     assert (wind.store is not None) == (kept == 100_000)
     GriddedWind.from_file(tmp_path / "gfs.*")  # beside the files that cfgrib has written
-    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
     for (north, east), moment, height in zip(
         PLACES, MOMENTS, [21e3, 35e3, 50e3, 65e3], strict=True
     ):
         at = moment, np.linspace(-np.log(1e5), -np.log(4.0), 20_001), *np.degrees([north, east])
         u, v, _, temperature, geopotential = truth(at[0], at[1], at[2], at[3] % 360.0)
-        where = Place(north, east, since + moment * 21600.0)
+        where = Place(north, east, BEGIN + moment * 21600.0)
         expected = [np.interp(height, altitude_of(geopotential, north), part)
                     for part in (u, v, temperature + 0.0 * u)]  # fmt: skip
         state = lf.Earth(wind=wind).state(height, where)
@@ -382,7 +383,7 @@ WRONG_UNITS = {  # variable, what is done to it, unit that it then has, unit tha
 def test_heights_that_contradict_pressures(case, is_warm):
     """And what the message says to write is right: pressure and wind are those of a right file."""
     name, factor, unit, meant = WRONG_UNITS[case]
-    data = canonical().isel(latitude=slice(None, None, 12), longitude=slice(None, None, 12))
+    data = coarse()
     right = GriddedWind(data.copy(deep=True))
     if not is_warm:
         data = data.drop_vars(["t", "w"])
@@ -401,14 +402,14 @@ def test_heights_that_contradict_pressures(case, is_warm):
 
 
 def test_temperatures_that_are_in_celsius():
-    data = canonical().isel(latitude=slice(None, None, 12), longitude=slice(None, None, 12))
+    data = coarse()
     data["t"] = (data.t - 273.15).assign_attrs(units="K")
     with pytest.raises(lf.ConfigurationError, match=r't falls to -48.* in °C, set dataset\["t"\]'):
         GriddedWind(data)
 
 
 def with_times(path, unit, *numbers, calendar="standard"):
-    data = canonical().isel(latitude=slice(None, None, 12), longitude=slice(None, None, 12))
+    data = coarse()
     data = data.isel(time=slice(len(numbers)))
     data = data.assign_coords(time=("time", [*numbers], {"units": unit, "calendar": calendar}))
     data.to_netcdf(path, engine="h5netcdf")
@@ -485,8 +486,7 @@ def test_air_of_the_data_goes_over_into_the_atmosphere():
     """Smoothly, above in hydrostatic balance, and beside the data back to the atmosphere's own."""
     data = GriddedWind(canonical().sel(latitude=slice(20.0, 60.0), longitude=slice(0.0, 60.0)))
     wind = lf.environment.WindBeyondData(data, lf.environment.UniformWind(-10.0))
-    since = (START - np.datetime64("2000-01-01T12:00", "ns")) / np.timedelta64(1, "s")
-    place = Place(*np.radians([42.0, 13.0]), since + 3e4)
+    place = Place(*np.radians([42.0, 13.0]), BEGIN + 3e4)
     with_data, without = lf.Earth(wind=wind), lf.Earth()
     heights = np.arange(20e3, 70e3, 10.0)
     air = with_data.state(heights, place)
@@ -499,14 +499,14 @@ def test_air_of_the_data_goes_over_into_the_atmosphere():
     slope = np.gradient(np.log(air.pressure), heights)
     expected = -air.gravity / (air.gas.specific_gas_constant * air.temperature)
     np.testing.assert_allclose(slope[5:-5], expected[5:-5], rtol=5e-3)
-    beside = Place(np.radians(42.0), np.radians(-5.0), since + 3e4)
+    beside = Place(np.radians(42.0), np.radians(-5.0), BEGIN + 3e4)
     assert with_data.state(30e3, beside).pressure == pytest.approx(without.state(30e3).pressure)
 
 
 def test_a_flyer_may_keep_its_atmosphere(tmp_path):
     path = tmp_path / "weather.nc"
     canonical().to_netcdf(path, engine="h5netcdf")
-    place = Place(*PLACES[0], (START - np.datetime64("2000-01-01T12:00")) / np.timedelta64(1, "s"))
+    place = Place(*PLACES[0], BEGIN)
     for air, temperature in ((True, 245.0 + 20.0 * np.sin(PLACES[0, 0])), (False, None)):
         environment = lf.Earth(wind=GriddedWind.from_file(path, air=air))
         expected = temperature or lf.Earth().state(30e3).temperature

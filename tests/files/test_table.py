@@ -241,7 +241,7 @@ TEXTS = st.one_of(st.text(max_size=200), nearly_tables())
     st.booleans(),
 )
 def test_no_content_gives_a_traceback(tmp_path_factory, content, strict):
-    path = tmp_path_factory.mktemp("fuzz") / "raw.csv"
+    path = tmp_path_factory.getbasetemp() / "fuzz.csv"
     path.write_bytes(content)
     try:
         table = read_table(path, COLUMNS, strict=strict)

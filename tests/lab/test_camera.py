@@ -4,7 +4,7 @@ from scipy import constants, integrate
 
 import lightflyer as lf
 from lightflyer.lab import flat_band
-from lightflyer.lab.thermography.data import CameraBand, parse_band, read_response
+from lightflyer.lab.thermography.data import CameraBand, parse_band
 
 
 def radiance(temperature, shortest, longest, response=lambda _: 1.0):
@@ -45,12 +45,12 @@ def test_many_temperatures_are_as_exact_as_few(rng):
 def test_response_of_a_file(tmp_path):
     path = tmp_path / "response.csv"
     path.write_text("wavelength [um],response [%]\n14,0\n12,80\n8,100\n7,0\n", encoding="utf-8")
-    found = read_response(path)
+    found = parse_band(str(path))
     table = np.array([7e-6, 8e-6, 12e-6, 14e-6]), np.array([0.0, 100.0, 80.0, 0.0])
     pieces = zip(table[0][:-1], table[0][1:], strict=True)
     expected = sum(radiance(350.0, *ends, lambda one: np.interp(one, *table)) for ends in pieces)
     assert found.radiance(350.0) == pytest.approx(expected, rel=1e-10)
-    assert parse_band(str(path)).name == "7 to 14 µm"
+    assert found.name == "7 to 14 µm"
     assert not found.assumed
 
 
@@ -87,7 +87,7 @@ def test_one_line_for_each_mistake_in_a_response(tmp_path, rows, says):
     path = tmp_path / "a.csv"
     path.write_text(f"wavelength [um],response\n{rows}", encoding="utf-8")
     with pytest.raises(lf.ConfigurationError, match=says) as error:
-        read_response(path)
+        parse_band(str(path))
     assert str(error.value).startswith(str(path))
 
 

@@ -117,20 +117,18 @@ def kept_power(
     shape: tuple[int, int], modes: int, order: int, rows: int | None = None
 ) -> np.ndarray:
     """Share of the power of each cosine mode of a surface that levelling keeps."""
-    along = [_mode_shares(count, modes, max(order, rows or 0)) for count in shape]
+    along = []
+    for count in shape:
+        # squared cosine coefficients of orthonormal polynomials, shape (order + 1, modes)
+        place, most = np.linspace(-1.0, 1.0, count), max(order, rows or 0)
+        polynomials = np.linalg.qr(np.polynomial.legendre.legvander(place, most))[0]
+        along.append(fft.dct(polynomials, axis=0, norm="ortho")[:modes].T ** 2)
     lost = sum(
         np.outer(along[0][i], along[1][j]) for i in range(order + 1) for j in range(order + 1 - i)
     )
     if rows is not None:
         lost = np.maximum(lost, along[1][: rows + 1].sum(axis=0)[None, :])
     return np.clip(1.0 - lost, 0.0, 1.0)
-
-
-def _mode_shares(count: int, modes: int, order: int) -> np.ndarray:
-    """Squared cosine coefficients of orthonormal polynomials; shape (order + 1, modes)."""
-    place = np.linspace(-1.0, 1.0, count)
-    polynomials = np.linalg.qr(np.polynomial.legendre.legvander(place, order))[0]
-    return fft.dct(polynomials, axis=0, norm="ortho")[:modes].T ** 2
 
 
 class Objects(NamedTuple):

@@ -164,22 +164,17 @@ def flat_band(shortest: float, longest: float, *, assumed: bool = False) -> Came
     return CameraBand(np.array([shortest, longest]), np.ones(2), assumed)
 
 
-def read_response(path: str | Path) -> CameraBand:
-    """Read the spectral response of a camera; ``path`` [um]."""
-    numbers = read_table(path, _COLUMNS, strict=True).numbers
-    order = np.argsort(numbers["wavelength"])
-    try:
-        return CameraBand(numbers["wavelength"][order], numbers["response"][order])
-    except ParameterError as error:
-        raise ConfigurationError(f"{path}: {error}") from None
-
-
 def parse_band(text: str) -> CameraBand | None:
-    """Camera's band from the text of an option; none for ``"total"``."""
+    """Camera's band from the text of an option, perhaps a file; none for ``"total"``."""
     if text.strip().lower() == "total":
         return None
     if Path(text).is_file() or Path(text).suffix in _TABLES:
-        return read_response(text)
+        numbers = read_table(text, _COLUMNS, strict=True).numbers
+        order = np.argsort(numbers["wavelength"])
+        try:
+            return CameraBand(numbers["wavelength"][order], numbers["response"][order])
+        except ParameterError as error:
+            raise ConfigurationError(f"{text}: {error}") from None
     found = ends("--band", text, "m")
     if found is None:
         raise ConfigurationError(

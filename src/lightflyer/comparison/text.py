@@ -20,7 +20,6 @@ from lightflyer.design.design import digest
 from lightflyer.design.outputs import BUDGET_OUTPUTS, OUTPUTS, Output, budget_outputs, outputs_of
 from lightflyer.design.setup import Setup
 from lightflyer.files.result_text import Parts, table_of, warning_lines, wrap
-from lightflyer.prediction.text import film_lines
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,6 +40,8 @@ _RANGE = "searched"
 
 def comparison_parts(comparison: "Comparison") -> Parts:
     """The flyers, what each carries at best and over the coordinate, and in what they differ."""
+    from lightflyer.prediction.text import film_lines
+
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         yield f"{letter}  {found.name}: {found.description}"
     best, unit = comparison.best, comparison.coordinate.shown_unit

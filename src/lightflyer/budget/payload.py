@@ -1,6 +1,6 @@
 """Budget of a payload: what its parts weigh and take, its radio link, the cells that feed it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -29,11 +29,6 @@ from lightflyer.files.section import Section, Spelling
 REQUIRED_SIGNAL_DB = 9.6
 """Energy per bit over noise density [dB] at which one bit in 1e5 is wrong: coherent detection of
 two phases without coding, :math:`\\tfrac12\\operatorname{erfc}\\sqrt{E_b/N_0}`."""
-
-
-def from_decibels(decibels: Numeric) -> Array:
-    """Ratio of two powers [1]; ``decibels`` [dB]."""
-    return xp.power(10.0, 0.1 * xp.asarray(decibels))
 
 
 @entry_point
@@ -125,7 +120,11 @@ def _transmit_power(link: RadioLink) -> Array:
         - link.transmit_gain_dbi
         - link.receive_gain_dbi
     )
-    return noise * from_decibels(decibels) * free_space_loss(link.distance, link.frequency)
+    return (
+        noise
+        * xp.power(10.0, 0.1 * xp.asarray(decibels))
+        * free_space_loss(link.distance, link.frequency)
+    )
 
 
 class Item(Checked):
@@ -183,15 +182,6 @@ class Needs(NamedTuple):
         return short_repr(self)
 
 
-def _contradiction(items: tuple[Item, ...], link: RadioLink | None) -> str | None:
-    """What a payload lacks, or has twice, or None."""
-    names = [item.name for item in items]
-    if not names and link is None:
-        return "a payload needs items or a link"
-    twice = next((name for name in names if names.count(name) > 1), None)
-    return None if twice is None else f'two items have the name "{twice}"'
-
-
 class Budget(Checked):
     """What a payload consists of.
 
@@ -224,12 +214,19 @@ class Budget(Checked):
     62.4 µg, 10 µW
     """
 
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
-
     items: tuple[Item, ...] = field(default=())
     cells: SolarCells | None = None
     link: RadioLink | None = None
     reserve: Fraction = 0.0
+
+    @staticmethod
+    def contradiction(items: tuple[Item, ...], link: RadioLink | None) -> str | None:
+        """What a payload lacks, or has twice, or None."""
+        names = [item.name for item in items]
+        if not names and link is None:
+            return "a payload needs items or a link"
+        twice = next((name for name in names if names.count(name) > 1), None)
+        return None if twice is None else f'two items have the name "{twice}"'
 
     def needs(self, light: Numeric) -> Needs:
         """What the payload needs; of the broadcast shape."""

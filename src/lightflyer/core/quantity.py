@@ -306,9 +306,6 @@ OpticalDepth = Annotated[Numeric, _KINDS["OpticalDepth"]]
 SolarFlux = Annotated[Numeric, _KINDS["SolarFlux"]]
 GeomagneticIndex = Annotated[Numeric, _KINDS["GeomagneticIndex"]]
 
-HIGHEST_TAC = _KINDS["AccommodationCoefficient"].highest
-"""Largest TAC accepted. None can exceed one, but measured values do by their systematic error."""
-
 HIGHEST_OPEN_FRACTION = _KINDS["OpenFraction"].highest
 """Largest share of holes accepted: without film there is no flyer."""
 

@@ -21,7 +21,6 @@ of the linear kinetic equation around a cold disk above a warm floor (``studies/
 as the floor.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import ClassVar, Literal
 
@@ -73,20 +72,6 @@ def over_warm_floor(state: EnvironmentState, floor_temperature: Numeric) -> Envi
     share = share_of_floor(*distances(state), 0.5 * path)
     temperature = state.temperature * (1.0 + share * excess)
     return replace(state, temperature=temperature, floor_excess=excess)
-
-
-def radiation_over_floor(
-    radiation: Radiation, temperature: Numeric, floor_temperature: Numeric, view: Numeric
-) -> Radiation:
-    """Light and heat radiation between a black lid and side wall and a floor of another warmth."""
-    above, below = radiation.infrared_above, radiation.infrared_below
-    black = radiation.stefan_boltzmann
-    given = replace(
-        radiation,
-        infrared_above=black * temperature**4 if above is None else above,
-        infrared_below=black * floor_temperature**4 if below is None else below,
-    )
-    return given.with_ground_view(view)
 
 
 def distances(state: EnvironmentState) -> tuple[Numeric, Numeric, Numeric]:
@@ -147,23 +132,6 @@ PRESSURES = 1e-2, 1e3  # of interest, unless stated otherwise [Pa]
 _PRESSURE = quantity_of(Pressure) or Quantity()
 
 
-def _contradiction(
-    floor_temperature: Numeric | None,
-    floor: Numeric | None,
-    lid: Numeric | None,
-    radius: Numeric | None,
-) -> str | None:
-    """Why it is not known where between a warm floor and cold walls the gas is, or None."""
-    if floor_temperature is not None and floor is None:
-        return "floor_temperature needs the distance of the floor; give floor"
-    if floor_temperature is not None and lid is None and radius is None:
-        return (
-            "floor_temperature needs a wall of another temperature; give lid or radius, or the "
-            "gas is as warm as the floor"
-        )
-    return None
-
-
 class Chamber(AbstractEnvironment):
     """Inside a vacuum chamber; the coordinate is the pressure [Pa].
 
@@ -202,7 +170,6 @@ class Chamber(AbstractEnvironment):
     """
 
     dimmable_light: ClassVar[bool] = True
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     temperature: ChamberTemperature = 293.0
     gas: AbstractGas = AIR
@@ -213,6 +180,23 @@ class Chamber(AbstractEnvironment):
     floor: Length | None = None
     lid: Length | None = None
     floor_temperature: ChamberTemperature | None = None
+
+    @staticmethod
+    def contradiction(
+        floor_temperature: Numeric | None,
+        floor: Numeric | None,
+        lid: Numeric | None,
+        radius: Numeric | None,
+    ) -> str | None:
+        """Why it is not known where between a warm floor and cold walls the gas is, or None."""
+        if floor_temperature is not None and floor is None:
+            return "floor_temperature needs the distance of the floor; give floor"
+        if floor_temperature is not None and lid is None and radius is None:
+            return (
+                "floor_temperature needs a wall of another temperature; give lid or radius, or the "
+                "gas is as warm as the floor"
+            )
+        return None
 
     def __check_init__(self) -> None:
         lowest, highest = self.pressure_range
@@ -250,12 +234,14 @@ class Chamber(AbstractEnvironment):
         if self.floor_temperature is None:
             return self.radiation
         wall = np.inf if self.radius is None else self.radius
-        return radiation_over_floor(
+        above, below = self.radiation.infrared_above, self.radiation.infrared_below
+        black = self.radiation.stefan_boltzmann  # of lid and side wall, and of the floor
+        given = replace(
             self.radiation,
-            self.temperature,
-            self.floor_temperature,
-            view_of_floor(self.floor, wall),
+            infrared_above=black * self.temperature**4 if above is None else above,
+            infrared_below=black * self.floor_temperature**4 if below is None else below,
         )
+        return given.with_ground_view(view_of_floor(self.floor, wall))
 
     def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
         """Surroundings at a pressure, which may lie outside the range of interest."""

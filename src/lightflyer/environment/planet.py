@@ -133,13 +133,6 @@ def _curvature_radius(planet: Planet, latitude: Angle, azimuth: Angle) -> Array:
     return 1.0 / (xp.cos(azimuth) ** 2 / along + xp.sin(azimuth) ** 2 / across)
 
 
-def mean_irradiance(semi_major_axis: float, eccentricity: float) -> float:
-    """Sunlight on an orbit, mean over the year [W/m²]; ``semi_major_axis`` [au]."""
-    return constants.TOTAL_SOLAR_IRRADIANCE / (
-        semi_major_axis**2 * math.sqrt(1.0 - eccentricity**2)
-    )
-
-
 EARTH_PLANET: Final = Planet(
     name="Earth",
     radius=6_371_008.7714,
@@ -171,7 +164,9 @@ MARS_PLANET: Final = Planet(
     rotation_rate=7.0882181e-5,
     flattening=0.005886,
     gravity=constants.MARS_GRAVITATIONAL_PARAMETER / _MARS_RADIUS**2,
-    irradiance=mean_irradiance(MARS_SEMI_MAJOR_AXIS, MARS_ECCENTRICITY),
+    # mean over the year of the sunlight on an orbit
+    irradiance=constants.TOTAL_SOLAR_IRRADIANCE
+    / (MARS_SEMI_MAJOR_AXIS**2 * math.sqrt(1.0 - MARS_ECCENTRICITY**2)),
     # [JPLD8160]: within 30° of the equator 0.18 to 0.28 without dust storms
     albedo=0.25,
     # [Creecy2022]: global mean of day and night, 111.7 ± 2.4 W/m². Below the overhead sun it is

@@ -1,6 +1,6 @@
 """A balloon: a spherical envelope of film, open or closed, around warm gas."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -9,13 +9,11 @@ from lightflyer.array import tree
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
 from lightflyer.core.quantity import Distance, Length, Mass, MolarMass, Tension
-from lightflyer.drag.convex import Outline, sphere_outline
-from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
 from lightflyer.film.properties import FilmProperties, excess_of_growth
-from lightflyer.flyer.base import AbstractClosedFlyer, FlyerSection
+from lightflyer.flyer.base import AbstractRoundFlyer, FlyerSection
 from lightflyer.flyer.shape import OF_SHELLS, Shape, Wall, shape_of_sphere
 
 _MOLAR_GAS_CONSTANT = constants.BOLTZMANN * constants.AVOGADRO  # [J/(mol K)]
@@ -33,18 +31,7 @@ class Filling(NamedTuple):
     overpressure: Numeric
 
 
-def _contradiction(
-    radius: Numeric, opening_radius: Numeric, gas_mass: Numeric | None
-) -> str | None:
-    """How numbers contradict each other, or None."""
-    if np.any(np.asarray(opening_radius) >= radius):
-        return "the opening must be smaller than the balloon"
-    if gas_mass is not None and np.any(np.asarray(opening_radius) > 0.0):
-        return "a closed balloon, which has a gas_mass, has no opening"
-    return None
-
-
-class Balloon(AbstractClosedFlyer):
+class Balloon(AbstractRoundFlyer):
     r"""A spherical envelope of film around warm gas.
 
     An **open** envelope has an opening at its lower end. Gas comes and goes through it, so that
@@ -97,7 +84,6 @@ class Balloon(AbstractClosedFlyer):
     hangs: ClassVar[str | None] = "a balloon hangs upright"
     floats: ClassVar[bool] = True
     drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     film: FilmProperties
     radius: Length
@@ -108,19 +94,16 @@ class Balloon(AbstractClosedFlyer):
     attitude: Attitude | None = None
     film_strength: Tension | None = None
 
-    @property
-    def area(self) -> Numeric:
-        return np.pi * self.radius**2
-
-    @property
-    def surface(self) -> Numeric:
-        """Area of the whole sphere, opening included [m²]."""
-        return 4.0 * np.pi * self.radius**2
-
-    @property
-    def volume(self) -> Numeric:
-        """Volume of the full envelope [m³]."""
-        return self.surface * self.radius / 3.0
+    @staticmethod
+    def contradiction(
+        radius: Numeric, opening_radius: Numeric, gas_mass: Numeric | None
+    ) -> str | None:
+        """How numbers contradict each other, or None."""
+        if np.any(np.asarray(opening_radius) >= radius):
+            return "the opening must be smaller than the balloon"
+        if gas_mass is not None and np.any(np.asarray(opening_radius) > 0.0):
+            return "a closed balloon, which has a gas_mass, has no opening"
+        return None
 
     @property
     def open_share(self) -> Numeric:
@@ -139,10 +122,6 @@ class Balloon(AbstractClosedFlyer):
 
     def outer_wall(self, unknowns: tuple[Array, ...]) -> tuple[Numeric, Numeric]:
         return self.film.tac_top, unknowns[0]
-
-    def outline(self, direction: Direction) -> Outline:
-        del direction
-        return sphere_outline(self.radius)
 
     def filling(self, state: EnvironmentState, excess: Numeric) -> Filling:
         r"""Volume, mass and pressure of the gas within."""

@@ -11,7 +11,7 @@ from lightflyer.array.records import AbstractClassVar, AbstractVar
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Azimuth, Checked, Mass, Tilt
 from lightflyer.core.units import Measured, scale_and_offset
-from lightflyer.drag.convex import Outline, convex_diagnostics, convex_drag
+from lightflyer.drag.convex import Outline, convex_diagnostics, convex_drag, sphere_outline
 from lightflyer.drag.disk import (
     Direction,
     disk_diagnostics,
@@ -323,6 +323,30 @@ class AbstractClosedFlyer(AbstractFlyer):
     ) -> tuple[str, ...]:
         gas = (state.pressure, state.temperature, state.gas)
         return tuple(convex_diagnostics(speed, self.outline(direction), *gas, temperature))
+
+
+class AbstractRoundFlyer(AbstractClosedFlyer):
+    """A sphere."""
+
+    radius: AbstractVar[Numeric]
+
+    @property
+    def area(self) -> Numeric:
+        return np.pi * self.radius**2
+
+    @property
+    def surface(self) -> Numeric:
+        """Area of the whole sphere, openings included [m²]."""
+        return 4.0 * np.pi * self.radius**2
+
+    @property
+    def volume(self) -> Numeric:
+        """Volume of the whole sphere [m³]."""
+        return self.surface * self.radius / 3.0
+
+    def outline(self, direction: Direction) -> Outline:
+        del direction
+        return sphere_outline(self.radius)
 
 
 _FILM = "film"

@@ -1,6 +1,6 @@
 """Hollow bodies with a wall full of channels, which pumps gas in, and an outlet for the jet."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -43,41 +43,6 @@ from lightflyer.flyer.sheets import (
 )
 
 _CENTIMETRE = 1e-2
-
-
-def _contradiction(
-    form: str,
-    size: Numeric,
-    outlet_radius: Numeric,
-    open_fraction: Numeric,
-    channel_width: Numeric,
-    wall_thickness: Numeric,
-    sheet_thickness: Numeric,
-    channel_aspect: Numeric,
-) -> str | None:
-    """How sizes contradict each other, or None."""
-    body = np.asarray(outlet_radius if form == "rocket" else 0.5 * np.asarray(size))
-    sheet = np.asarray(sheet_thickness)
-    lined = (1.0 + 2.0 * sheet / channel_width) * (
-        1.0 + 2.0 * sheet / (np.asarray(channel_aspect) * channel_width)
-    )
-    found = (
-        (form != "rocket" and np.any(np.asarray(outlet_radius) >= body),
-         f"the outlet must be smaller than the {form}"),
-        (np.any(np.asarray(open_fraction) <= 0.0),
-         "open_fraction must be positive: gas flows through the wall's channels"),
-        (np.any(np.asarray(channel_aspect) < 1.0),
-         "channel_aspect must be 1 at least: it is the longer side over the shorter"),
-        (np.any(np.asarray(wall_thickness) <= 2.0 * sheet),
-         "wall_thickness must exceed twice sheet_thickness: the wall has two faces"),
-        (np.any(np.asarray(wall_thickness) >= body),
-         f"wall_thickness must be smaller than the radius of the {form}"),
-        (np.any(np.asarray(channel_width) * channel_aspect >= 2.0 * body),
-         f"the channels must be narrower than the {form}"),
-        (np.any(np.asarray(open_fraction) * lined > 1.0),
-         "channels of this open_fraction and their sheets take more than the whole wall"),
-    )  # fmt: skip
-    return next((text for wrong, text in found if wrong), None)
 
 
 class HollowBody(AbstractClosedFlyer):
@@ -137,7 +102,6 @@ class HollowBody(AbstractClosedFlyer):
     held_pressure: ClassVar[str] = "pressure_difference"
     lifted_by: ClassVar[str] = "a jet of the gas that its wall draws in towards the warmer film"
     drag_law: ClassVar[str] = "of a closed body by its surface and Cunningham's law, with inertia"
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     outer: FilmProperties
     inner: FilmProperties
@@ -153,6 +117,41 @@ class HollowBody(AbstractClosedFlyer):
     sheet_density: Density | None = None
     payload: Mass = 0.0
     attitude: Attitude | None = None
+
+    @staticmethod
+    def contradiction(
+        form: str,
+        size: Numeric,
+        outlet_radius: Numeric,
+        open_fraction: Numeric,
+        channel_width: Numeric,
+        wall_thickness: Numeric,
+        sheet_thickness: Numeric,
+        channel_aspect: Numeric,
+    ) -> str | None:
+        """How sizes contradict each other, or None."""
+        body = np.asarray(outlet_radius if form == "rocket" else 0.5 * np.asarray(size))
+        sheet = np.asarray(sheet_thickness)
+        lined = (1.0 + 2.0 * sheet / channel_width) * (
+            1.0 + 2.0 * sheet / (np.asarray(channel_aspect) * channel_width)
+        )
+        found = (
+            (form != "rocket" and np.any(np.asarray(outlet_radius) >= body),
+             f"the outlet must be smaller than the {form}"),
+            (np.any(np.asarray(open_fraction) <= 0.0),
+             "open_fraction must be positive: gas flows through the wall's channels"),
+            (np.any(np.asarray(channel_aspect) < 1.0),
+             "channel_aspect must be 1 at least: it is the longer side over the shorter"),
+            (np.any(np.asarray(wall_thickness) <= 2.0 * sheet),
+             "wall_thickness must exceed twice sheet_thickness: the wall has two faces"),
+            (np.any(np.asarray(wall_thickness) >= body),
+             f"wall_thickness must be smaller than the radius of the {form}"),
+            (np.any(np.asarray(channel_width) * channel_aspect >= 2.0 * body),
+             f"the channels must be narrower than the {form}"),
+            (np.any(np.asarray(open_fraction) * lined > 1.0),
+             "channels of this open_fraction and their sheets take more than the whole wall"),
+        )  # fmt: skip
+        return next((text for wrong, text in found if wrong), None)
 
     @property
     def geometry(self) -> HollowForm:

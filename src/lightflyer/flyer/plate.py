@@ -1,6 +1,6 @@
 """The nanocardboard plate: two films joined by the walls of open channels."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -30,25 +30,6 @@ from lightflyer.flyer.sheets import net_gains, sheet_in_light
 from lightflyer.gas.molecules import slot_transmission
 
 SHEAR_MODULUS = 5.6e10  # of alumina, by data/mechanics.toml [Pa]
-
-
-def _contradiction(
-    radius: Numeric,
-    channel_width: Numeric,
-    channel_length: Numeric,
-    spacing: Numeric,
-    wall_thickness: Numeric,
-    hanging_radius: Numeric | None,
-    hanging: Hanging,
-) -> str | None:
-    """How sizes contradict each other, or None."""
-    if np.any(np.asarray(channel_length) < channel_width):
-        return "channel_length is the long side of a channel: at least its channel_width"
-    if np.any(np.asarray(channel_length) + spacing > 2.0 * np.asarray(radius)):
-        return "channel_length and spacing together must not exceed the plate's diameter"
-    if np.any(2.0 * np.asarray(wall_thickness) >= spacing):
-        return "wall_thickness must be less than half of spacing: neighbouring walls would meet"
-    return hangs_wrongly(radius, hanging_radius, hanging)
 
 
 class Plate(AbstractThinFlyer):
@@ -113,7 +94,6 @@ class Plate(AbstractThinFlyer):
         "of a thin disk by the kinetic equation, less the molecules that pass, with inertia"
     )
     shown_unit: ClassVar[str] = "mm"
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     top: FilmProperties
     bottom: FilmProperties
@@ -131,6 +111,25 @@ class Plate(AbstractThinFlyer):
     wall_shear_modulus: Modulus | None = None
     hanging_radius: Distance | None = None
     hanging: Hanging = field(static=True, default="circle")
+
+    @staticmethod
+    def contradiction(
+        radius: Numeric,
+        channel_width: Numeric,
+        channel_length: Numeric,
+        spacing: Numeric,
+        wall_thickness: Numeric,
+        hanging_radius: Numeric | None,
+        hanging: Hanging,
+    ) -> str | None:
+        """How sizes contradict each other, or None."""
+        if np.any(np.asarray(channel_length) < channel_width):
+            return "channel_length is the long side of a channel: at least its channel_width"
+        if np.any(np.asarray(channel_length) + spacing > 2.0 * np.asarray(radius)):
+            return "channel_length and spacing together must not exceed the plate's diameter"
+        if np.any(2.0 * np.asarray(wall_thickness) >= spacing):
+            return "wall_thickness must be less than half of spacing: neighbouring walls would meet"
+        return hangs_wrongly(radius, hanging_radius, hanging)
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:

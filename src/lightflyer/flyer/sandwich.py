@@ -1,6 +1,6 @@
 """The sandwich of two perforated membranes, the lower one warmer in sunlight."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -50,25 +50,6 @@ from lightflyer.flyer.sheets import (
 from lightflyer.gas.molecules import coaxial_share
 from lightflyer.structure.laminate import Laminate
 from lightflyer.structure.sandwich import Ligaments
-
-
-def _contradiction(
-    radius: Numeric,
-    hole_radius: Numeric,
-    open_fraction: Numeric,
-    support_fraction: Numeric,
-    ligaments: Ligaments | None,
-    hanging_radius: Numeric | None,
-    hanging: Hanging,
-) -> str | None:
-    """How sizes contradict each other, or None."""
-    if ligaments is not None and is_concrete(ligaments.covered):
-        support_fraction = support_fraction + np.asarray(ligaments.covered)
-    if np.any(np.asarray(hole_radius) >= radius):
-        return "hole_radius must be smaller than the radius of the sandwich"
-    if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
-        return "open_fraction and support_fraction exceed 1 together; supports stand on film"
-    return hangs_wrongly(radius, hanging_radius, hanging)
 
 
 class Sandwich(AbstractThinFlyer):
@@ -130,7 +111,6 @@ class Sandwich(AbstractThinFlyer):
     drag_law: ClassVar[str] = (
         "of a thin disk by the kinetic equation, less the molecules that pass, with inertia"
     )
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     top: FilmProperties
     bottom: FilmProperties
@@ -146,6 +126,25 @@ class Sandwich(AbstractThinFlyer):
     ligaments: Ligaments | None = None
     hanging_radius: Distance | None = None
     hanging: Hanging = field(static=True, default="circle")
+
+    @staticmethod
+    def contradiction(
+        radius: Numeric,
+        hole_radius: Numeric,
+        open_fraction: Numeric,
+        support_fraction: Numeric,
+        ligaments: Ligaments | None,
+        hanging_radius: Numeric | None,
+        hanging: Hanging,
+    ) -> str | None:
+        """How sizes contradict each other, or None."""
+        if ligaments is not None and is_concrete(ligaments.covered):
+            support_fraction = support_fraction + np.asarray(ligaments.covered)
+        if np.any(np.asarray(hole_radius) >= radius):
+            return "hole_radius must be smaller than the radius of the sandwich"
+        if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
+            return "open_fraction and support_fraction exceed 1 together; supports stand on film"
+        return hangs_wrongly(radius, hanging_radius, hanging)
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:

@@ -1,6 +1,6 @@
 """A sphere: a particle that light warms on one side, or whose halves accommodate unlike."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache, partial
 from typing import Any, ClassVar, Literal
 
@@ -25,8 +25,6 @@ from lightflyer.core.quantity import (
     ParticleRadius,
     Temperature,
 )
-from lightflyer.drag.convex import Outline, sphere_outline
-from lightflyer.drag.disk import Direction
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
@@ -44,7 +42,7 @@ from lightflyer.film.optics.curve import (
 from lightflyer.film.optics.spectra import Spectrum
 from lightflyer.film.optics.sphere import read_absorbed_powers, sphere_absorption
 from lightflyer.film.properties import excess_of_growth
-from lightflyer.flyer.base import AbstractClosedFlyer, FlyerSection
+from lightflyer.flyer.base import AbstractRoundFlyer, FlyerSection
 from lightflyer.numerics.interpolation import Spline
 
 Upright = Literal["nothing", "gravity", "dipole"]
@@ -62,37 +60,7 @@ _MICROMETRE, _MILLIMETRE = 1e-6, 1e-3
 _FEW = 1e-2  # energy over k T below which Langevin's function is summed as a series
 
 
-def _contradiction(
-    radius: Numeric,
-    absorption_efficiency: Numeric,
-    asymmetry: Numeric | None,
-    emittance: Numeric,
-    infrared_asymmetry: Numeric | None,
-    density: Numeric | None,
-    body_mass: Numeric | None,
-    upright: Upright,
-    mass_offset: Numeric | None,
-) -> str | None:
-    """How numbers contradict each other, or None."""
-    if (density is None) == (body_mass is None):
-        return "a sphere needs either its density or its mass"
-    for name, factor, share in (
-        ("asymmetry", asymmetry, absorption_efficiency),
-        ("infrared_asymmetry", infrared_asymmetry, emittance),
-    ):
-        if factor is None or share is None:
-            continue
-        if np.any(np.abs(factor) > _MOST * np.asarray(share)):
-            whole = "emittance" if share is emittance else "absorption_efficiency"
-            return f"{name} is at most 3/4 of {whole}: no heat is released outside of the sphere"
-    if mass_offset is not None and upright != "gravity":
-        return 'mass_offset, by which gravity turns a sphere, needs upright = "gravity"'
-    if mass_offset is not None and np.any(np.asarray(mass_offset) >= radius):
-        return "mass_offset must be less than the radius"
-    return None
-
-
-class Sphere(AbstractClosedFlyer):
+class Sphere(AbstractRoundFlyer):
     r"""A solid sphere in light from anywhere.
 
     Its surface is as warm as :math:`\bar T + A\cos\vartheta`, with the angle from the vertical:
@@ -164,7 +132,6 @@ class Sphere(AbstractClosedFlyer):
     hangs: ClassVar[str | None] = f"a sphere has no tilt: {_NO_TILT}"
     steady: ClassVar[bool] = True
     drag_law: ClassVar[str] = "of a sphere by Cunningham's law, with inertia"
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
 
     radius: ParticleRadius
     absorption_efficiency: Multiple
@@ -181,6 +148,38 @@ class Sphere(AbstractClosedFlyer):
     payload: Mass = 0.0
     attitude: Attitude | None = None
     highest_temperature: Temperature | None = None
+
+    @staticmethod
+    def contradiction(
+        radius: Numeric,
+        absorption_efficiency: Numeric,
+        asymmetry: Numeric | None,
+        emittance: Numeric,
+        infrared_asymmetry: Numeric | None,
+        density: Numeric | None,
+        body_mass: Numeric | None,
+        upright: Upright,
+        mass_offset: Numeric | None,
+    ) -> str | None:
+        """How numbers contradict each other, or None."""
+        if (density is None) == (body_mass is None):
+            return "a sphere needs either its density or its mass"
+        for name, factor, share in (
+            ("asymmetry", asymmetry, absorption_efficiency),
+            ("infrared_asymmetry", infrared_asymmetry, emittance),
+        ):
+            if factor is None or share is None:
+                continue
+            if np.any(np.abs(factor) > _MOST * np.asarray(share)):
+                whole = "emittance" if share is emittance else "absorption_efficiency"
+                return (
+                    f"{name} is at most 3/4 of {whole}: no heat is released outside of the sphere"
+                )
+        if mass_offset is not None and upright != "gravity":
+            return 'mass_offset, by which gravity turns a sphere, needs upright = "gravity"'
+        if mass_offset is not None and np.any(np.asarray(mass_offset) >= radius):
+            return "mass_offset must be less than the radius"
+        return None
 
     @classmethod
     def of(
@@ -201,17 +200,8 @@ class Sphere(AbstractClosedFlyer):
             raise ParameterError(f"a sphere has no attitude: {_NO_TILT}")
 
     @property
-    def area(self) -> Numeric:
-        return np.pi * self.radius**2
-
-    @property
-    def surface(self) -> Numeric:
-        """Area of the whole sphere [m²]."""
-        return 4.0 * np.pi * self.radius**2
-
-    @property
     def displaced_volume(self) -> Numeric:
-        return self.surface * self.radius / 3.0
+        return self.volume
 
     @property
     def own_mass(self) -> Numeric:
@@ -247,10 +237,6 @@ class Sphere(AbstractClosedFlyer):
 
     def outer_wall(self, unknowns: tuple[Array, ...]) -> tuple[Numeric, Numeric]:
         return self.tac_mean, 0.5 * (unknowns[0] + unknowns[1])
-
-    def outline(self, direction: Direction) -> Outline:
-        del direction
-        return sphere_outline(self.radius)
 
     def beam_areas(self, state: EnvironmentState) -> tuple[Array, ...]:
         level = state.radiation.on_faces()

@@ -1,8 +1,7 @@
 """Two films that ligaments hold apart, as one plate."""
 
 import math
-from collections.abc import Callable
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -14,15 +13,6 @@ from lightflyer.structure.laminate import Stiffness
 
 _CLAMPED_BUCKLING = 3.831705970207512**2
 _CELL = {"hexagonal": 0.5 * math.sqrt(3.0), "square": 1.0}  # area over the square of the spacing
-
-
-def _contradiction(spacing: Numeric, radius: Numeric, wall: Numeric) -> str | None:
-    """How sizes contradict each other, or None."""
-    if np.any(2.0 * np.asarray(radius) >= spacing):
-        return "ligaments touch each other: their spacing must exceed their diameter"
-    if np.any(np.asarray(wall) > radius):
-        return "ligaments have no room for their walls: diameter must be twice the wall or more"
-    return None
 
 
 class Ligaments(Checked):
@@ -50,13 +40,20 @@ class Ligaments(Checked):
     [Kim2023]_
     """
 
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(_contradiction)
-
     spacing: Length
     radius: Length
     wall: Thickness
     pattern: Literal["hexagonal", "square"] = field(static=True, default="hexagonal")
     modulus: Modulus = 1.4e11  # alumina, as in data/mechanics.toml
+
+    @staticmethod
+    def contradiction(spacing: Numeric, radius: Numeric, wall: Numeric) -> str | None:
+        """How sizes contradict each other, or None."""
+        if np.any(2.0 * np.asarray(radius) >= spacing):
+            return "ligaments touch each other: their spacing must exceed their diameter"
+        if np.any(np.asarray(wall) > radius):
+            return "ligaments have no room for their walls: diameter must be twice the wall or more"
+        return None
 
     @property
     def number_density(self) -> Numeric:

@@ -219,7 +219,9 @@ class GriddedGround(AbstractGround):
         for name, field in (("albedo", self.albedo), ("infrared", self.infrared)):
             if field is not None and field.ends is not None:
                 first, last = field.ends
-                begins, stops = (_date(end) for end in (first, last))
+                begins, stops = (
+                    "its date" if is_traced(end) else date_text(end) for end in (first, last)
+                )
                 found[f"{name} on the ground begins at {begins}"] = place.time - first
                 found[f"{name} on the ground ends at {stops}"] = last - place.time
         return found
@@ -240,10 +242,6 @@ def _field_at(field: _Field, place: Place) -> Array:
         return value
     first, last = field.ends
     return xp.where((place.time >= first) & (place.time <= last), value, np.nan)
-
-
-def _date(seconds: Any) -> str:
-    return "its date" if is_traced(seconds) else date_text(seconds)
 
 
 def _words(field: _Field) -> str:

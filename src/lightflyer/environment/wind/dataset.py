@@ -1,6 +1,7 @@
 """Reading winds on a grid from an xarray dataset: names, units, order, gaps."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -118,7 +119,7 @@ def read_fields(dataset: Any, *, air_only: bool = False) -> Fields:
 
 def readers_of(*, by_pressure: bool) -> tuple[Callable[[Any], np.ndarray], ...]:
     """What reads the coordinates: time, level, latitude, longitude."""
-    return _seconds, _minus_log if by_pressure else _metres, _degrees, _degrees
+    return _seconds, _minus_log if by_pressure else partial(_scale, target="m"), _degrees, _degrees
 
 
 def grid_of(
@@ -205,10 +206,6 @@ def _degrees(array: Any) -> np.ndarray:
     if not unit.startswith(_DEGREES):
         raise ConfigurationError(f'winds: units of {called(array)}: "{unit}" is not degrees')
     return np.asarray(array.values, float) * RADIANS_PER_DEGREE
-
-
-def _metres(array: Any) -> np.ndarray:
-    return _scale(array, "m")
 
 
 def _minus_log(array: Any) -> np.ndarray:

@@ -112,7 +112,7 @@ class ScatteringFit:
         low, high = np.log(self.knudsen_range)
         position = place_between(xp.clip(xp.log(knudsen), low, high), low, high)
         inside = [xp.clip(m, *range_) for m, range_ in zip(means, self.ranges, strict=True)]
-        dense = _denseness(knudsen)
+        dense = 1.0 / (1.0 + knudsen / _KNUDSEN_0)
         normal, *others = (dense * polynomial(c, position, *inside) for c in self.coefficients)
         return 1.0 + normal, *others
 
@@ -128,10 +128,6 @@ class ScatteringFit:
             rest + sum(w * one for w, one in zip(weights, face, strict=True)) for face in faces
         )
         return xp.asarray(top), xp.asarray(bottom)
-
-
-def _denseness(knudsen: Any) -> Any:
-    return 1.0 / (1.0 + knudsen / _KNUDSEN_0)
 
 
 def scattering_ranges(stated: Stated, tacs: tuple[Numeric, Numeric]) -> Looks:

@@ -92,7 +92,11 @@ class _Slot(ChannelShape):
     def coefficients(self, rarefaction: Numeric, length: Numeric | None) -> Coefficients:
         paths = (rarefaction * xp.exp(part) for part in _slot_curves()(xp.log(rarefaction)))
         # a molecule that flies along the slot meets another one, or leaves by its end
-        ends = (0.0, 0.0) if length is None else _slot_ends(length)
+        ends: tuple[Numeric, Numeric] = 0.0, 0.0
+        if length is not None:
+            passing = slot_transmission(length)
+            free = length * passing.through / (_ROOT_PI * passing.back)
+            ends = 1.0 / xp.expm1(_ROOT_PI * (free - _SLIP)), 1.0 / xp.expm1(_ROOT_PI * free)
         poiseuille, creep = (
             xp.log1p(1.0 / (path + end)) / _ROOT_PI for path, end in zip(paths, ends, strict=True)
         )
@@ -112,7 +116,8 @@ class _Round(ChannelShape):
         slipping, creeping = (
             rarefaction * xp.exp(part) for part in _round_curves()(xp.log(rarefaction))
         )
-        stretch = 1.0 if length is None else _end_stretch(length)
+        # equivalent length of a tube to free molecules over its length, [Santeler1986]
+        stretch = 1.0 if length is None else 1.0 + 1.0 / (3.0 + 3.0 * length / 7.0)
         free = _FREE_ROUND / stretch
         return Coefficients(
             self.viscous * rarefaction + (free + _SLIP * slipping) / (1.0 + slipping),
@@ -127,18 +132,6 @@ SLOT: ChannelShape = _Slot()
 """Between two parallel walls, whose distance is :math:`A`; much wider than that."""
 
 ROUND: ChannelShape = _Round()  # A round hole or tube of the radius :math:`A`
-
-
-def _slot_ends(length: Numeric) -> tuple[Array, Array]:
-    """What bounds the paths of free molecules in a slot of finite length, for both coefficients."""
-    passing = slot_transmission(length)
-    free = length * passing.through / (_ROOT_PI * passing.back)
-    return 1.0 / xp.expm1(_ROOT_PI * (free - _SLIP)), 1.0 / xp.expm1(_ROOT_PI * free)
-
-
-def _end_stretch(length: Numeric) -> Array:
-    """Equivalent length of a tube to free molecules over its length, [Santeler1986]."""
-    return 1.0 + 1.0 / (3.0 + 3.0 * length / 7.0)
 
 
 @lru_cache

@@ -206,7 +206,11 @@ def pump_flow(
     inner, _ = unknowns
     areas = _areas(flyer, corrections)
     channels = _channels(flyer, state, unknowns, corrections)
-    density = _density(state, corrections)
+    density = (
+        state.gas.density(state.pressure, state.temperature)
+        if corrections.gas_properties
+        else state.pressure / (published.DENSITY_CONSTANT * state.temperature)
+    )
     jet_density = density / (1.0 + inner) if corrections.jet_density else density
     resistance, held = _outlet(flyer, state, inner, jet_density, corrections)
     resistance = errors.outlet * resistance
@@ -249,12 +253,6 @@ def _exchange(inward: Array, lifted: Array) -> Array:
     most, mean = xp.abs(lifted), xp.abs(inward)
     both = most > mean
     return xp.where(both, (most - mean) ** 2 / (4.0 * xp.where(both, most, 1.0)), 0.0)
-
-
-def _density(state: EnvironmentState, corrections: Corrections) -> Array:
-    if corrections.gas_properties:
-        return state.gas.density(state.pressure, state.temperature)
-    return state.pressure / (published.DENSITY_CONSTANT * state.temperature)
 
 
 def _outlet(

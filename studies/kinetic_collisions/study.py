@@ -16,7 +16,7 @@ import numpy as np
 from lightflyer.kinetic_theory.collisions.brackets import Molecule
 from lightflyer.kinetic_theory.collisions.operator import FEWER_MOMENTS, MOMENTS
 from lightflyer.kinetic_theory.collisions.problem import solve_molecules
-from lightflyer.kinetic_theory.disk.cases import COARSE, Case, Outcome, solve_case
+from lightflyer.kinetic_theory.disk.cases import COARSE, Case, DiskOutcome, solve_case
 from lightflyer.kinetic_theory.disk.operators import assemble
 from lightflyer.kinetic_theory.model_gases import gas_model
 
@@ -79,7 +79,7 @@ def points() -> Iterator[Point]:
                     yield Point(gas, exponent, knudsen, TAC, fewer=True)
 
 
-def ratios(case: Case, outcome: Outcome) -> tuple[float, float]:
+def ratios(case: Case, outcome: DiskOutcome) -> tuple[float, float]:
     """Force and heat over those of free molecules."""
     free = case.free_molecular()
     return float(outcome.force / free.force), float(sum(outcome.heat) / sum(free.heat))

@@ -15,7 +15,12 @@ from kinetic_fits.surfaces import mean_tac
 
 from lightflyer.force.kinetic import sandwich_table
 from lightflyer.force.kinetic.ratios import KineticFit
-from lightflyer.force.kinetic.sandwich_table import Resistance, SandwichFit, SandwichWallsFit, flow
+from lightflyer.force.kinetic.sandwich_table import (
+    SandwichFit,
+    SandwichResistance,
+    SandwichWallsFit,
+    flow,
+)
 from lightflyer.force.kinetic.walls import Accommodations, kinds_of
 from lightflyer.numerics.polynomials import as_tuples
 
@@ -47,12 +52,14 @@ def fit(
     delta, solid = table.rarefaction, 1.0 - table.open_fraction
     both, share = (table.open_fraction, table.tac), solid * table.tac
 
-    def resistance(ratio: np.ndarray, scale: np.ndarray, variables: Any, powers: Any) -> Resistance:
+    def resistance(
+        ratio: np.ndarray, scale: np.ndarray, variables: Any, powers: Any
+    ) -> SandwichResistance:
         values = np.log((1.0 / ratio - 1.0) / (scale * delta))
         errors = 1.0 / (1.0 - ratio + _LEAST_WEIGHT)
         inside = least_squares(values, (*variables, place), powers, errors)
         slope = np.asarray(inside) @ np.arange(_MOST + 1) * 2.0 / (high - low)  # at +1
-        return Resistance(inside, as_tuples(slope))
+        return SandwichResistance(inside, as_tuples(slope))
 
     def returned(ratio: np.ndarray) -> Coefficients:
         scale = share * delta / (1.0 + delta)

@@ -20,11 +20,11 @@ from lightflyer.kinetic_theory.disk.cases import (
     MEDIUM,
     SMALLEST_ERROR,
     Case,
-    Outcome,
+    DiskOutcome,
     Resolution,
     solve_case,
 )
-from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem, face_result
 from lightflyer.kinetic_theory.disk.operators import assemble
 from lightflyer.kinetic_theory.model_gases import gas_model
 from lightflyer.kinetic_theory.solver import FURTHEST_DEPTH
@@ -96,8 +96,8 @@ def linear_group(
 def responses(system: LinearSystem, open_fraction: float, tac: float) -> list[float]:
     """Responses to a temperature difference and to a TAC difference, over the free-molecular."""
     half = 0.5 * TAC_DIFFERENCE
-    apart = Walls((tac, tac), (-1.0, 1.0), open_fraction=open_fraction)
-    unlike = Walls((tac + half, tac - half), (1.0, 1.0), open_fraction=open_fraction)
+    apart = FaceWalls((tac, tac), (-1.0, 1.0), open_fraction=open_fraction)
+    unlike = FaceWalls((tac + half, tac - half), (1.0, 1.0), open_fraction=open_fraction)
     force, top, bottom = totals(system, apart)
     tac_force, hot_top, hot_bottom = totals(system, unlike)
     solid = 1.0 - open_fraction
@@ -111,7 +111,7 @@ def responses(system: LinearSystem, open_fraction: float, tac: float) -> list[fl
     ]
 
 
-def totals(system: LinearSystem, walls: Walls) -> tuple[float, float, float]:
+def totals(system: LinearSystem, walls: FaceWalls) -> tuple[float, float, float]:
     """Upward force and the heat out of the top and the bottom face."""
     fields, _ = system.solve(walls)
     top, bottom = (face_result(system, walls, fields[face], face) for face in (0, 1))
@@ -147,7 +147,7 @@ def hot_group(gas: str, rarefaction: float, open_fraction: float, ratio: float) 
     first = solve_case(apart, COARSE)
     second = solve_case(unlike, COARSE, start=first.fields)
 
-    def difference(outcome: Outcome | Any) -> float:
+    def difference(outcome: DiskOutcome | Any) -> float:
         return float(outcome.heat[1] - outcome.heat[0])
 
     free = apart.free_molecular(), unlike.free_molecular()

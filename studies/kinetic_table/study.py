@@ -18,7 +18,7 @@ import numpy as np
 from lightflyer.array.namespace import float64
 from lightflyer.force.kinetic.ratios import KineticFit
 from lightflyer.kinetic_theory.disk.cases import COARSE, FINE, MEDIUM, Case, solve_case
-from lightflyer.kinetic_theory.disk.linear import FaceResult, LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.linear import FaceResult, FaceWalls, LinearSystem, face_result
 from lightflyer.kinetic_theory.disk.operators import assemble
 from lightflyer.kinetic_theory.model_gases import GasModel, gas_model
 from lightflyer.kinetic_theory.solver import furthest_boundary
@@ -260,15 +260,15 @@ def solve_in(system: LinearSystem, point: Point) -> Result:
     """A linear point; for one TAC also its force by reciprocity, the heat that motion draws."""
     weights, case = system.operators.mesh.face_weights, point.case
 
-    def faces(walls: Walls) -> list[FaceResult]:
+    def faces(walls: FaceWalls) -> list[FaceResult]:
         fields, _ = system.solve(walls)
         return [face_result(system, walls, fields[face], face) for face in (0, 1)]
 
-    top, bottom = faces(Walls(case.tac, case.temperature))
+    top, bottom = faces(FaceWalls(case.tac, case.temperature))
     force = float(weights @ (bottom.pressure - top.pressure))
     result = ratios(point, force, (float(weights @ top.heat), float(weights @ bottom.heat)))
     if (point.tac, point.difference) == (MOVED_TAC, SMALL):
-        drawn = sum(weights @ face.heat for face in faces(Walls(case.tac, (0.0, 0.0), 1.0)))
+        drawn = sum(weights @ face.heat for face in faces(FaceWalls(case.tac, (0.0, 0.0), 1.0)))
         result["drawn_ratio"] = float(drawn) / case.free_molecular().force
     return result
 

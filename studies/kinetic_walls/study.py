@@ -14,7 +14,7 @@ from typing import get_args
 import numpy as np
 
 from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, Resolution, solve_case
-from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem, face_result
 from lightflyer.kinetic_theory.disk.operators import assemble
 from lightflyer.kinetic_theory.model_gases import gas_model
 from lightflyer.kinetic_theory.walls import Wall
@@ -82,7 +82,7 @@ def linear(points: list[Point]) -> Kept:
     for gas, wall in dict.fromkeys((point.gas, point.wall) for point in points):
         system = LinearSystem(operators, gas_model(gas), FACTORISED, wall=wall)
         for point in (p for p in points if (p.gas, p.wall) == (gas, wall)):
-            walls = Walls(point.case.tac, (1.0, 1.0))
+            walls = FaceWalls(point.case.tac, (1.0, 1.0))
             fields, _ = system.solve(walls)
             faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
             top, bottom = (float(mesh.face_weights @ face.heat) for face in faces)

@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 
 from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, totals
-from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls
+from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem
 from lightflyer.kinetic_theory.disk.nonlinear import HotDisk, NonlinearProblem
 from lightflyer.kinetic_theory.disk.operators import assemble
 from lightflyer.kinetic_theory.model_gases import gas_model
@@ -56,7 +56,7 @@ def solve(delta: float, missing: list[float]) -> None:
         problem = NonlinearProblem(system, delta, level.quadrature)
         disk = HotDisk(TACS, TEMPERATURES, beta, "maxwell")
         if start is None:
-            start = system.solve(Walls(TACS, (0.0, excess), open_fraction=beta))[0]
+            start = system.solve(FaceWalls(TACS, (0.0, excess), open_fraction=beta))[0]
         start, _ = problem.solve(disk, start, TOLERANCE)
         faces = [problem.face_result(start, face, disk) for face in (0, 1)]
         force, heat = totals(mesh, faces)

@@ -17,7 +17,7 @@ from lightflyer.files import drawing as plot
 from lightflyer.files import palette
 from lightflyer.film.media.library import MECHANICS, mechanics_of
 from lightflyer.flyer.hanging import Held
-from lightflyer.flyer.shape import Core, Sheets, core_of_posts, shape_of_film, shape_of_sandwich
+from lightflyer.flyer.shape import BentSheets, Core, core_of_posts, shape_of_film, shape_of_sandwich
 from lightflyer.structure import (
     Lamina,
     Laminate,
@@ -104,7 +104,9 @@ class Kind:
         if core is None:
             posts = dataclasses.replace(self.posts, modulus=numbers["Al2O3", "modulus"])
             core = core_of_posts(posts, films, self.gap, self.open_fraction)
-        sheets = Sheets(films, (ROOM, ROOM + WARMER), core, self.gap, self.open_fraction, radius)
+        sheets = BentSheets(
+            films, (ROOM, ROOM + WARMER), core, self.gap, self.open_fraction, radius
+        )
         return shape_of_sandwich(sheets, held, (1.0 + payload) * self.density * gravity)
 
     def holds(self, numbers, radius, payload):

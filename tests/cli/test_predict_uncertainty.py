@@ -6,7 +6,7 @@ import xarray as xr
 
 import lightflyer as lf
 from lightflyer.files.result_text import as_text, unwrap
-from lightflyer.prediction.text import Shares, verdict_lines
+from lightflyer.prediction.text import SampleShares, verdict_lines
 from lightflyer.uncertainty.text import band_parts
 
 FILE = """\
@@ -84,7 +84,7 @@ def test_in_how_many_samples_a_film_survives(flyer_file):
         (0.8, 0.3, ("It flies, in 80 % of 100 samples, from", "survives in 30 % of the samples.")),
         (1.0, None, ("It flies from", "its film withstands 400 K.")),
     ):
-        told = " ".join(verdict_lines(found.prediction, {}, Shares(100, flies, survives)))
+        told = " ".join(verdict_lines(found.prediction, {}, SampleShares(100, flies, survives)))
         assert all(text in told for text in words)
     assert found.shares == (100, found.share_that_levitates, found.share_that_survives)
 

@@ -8,7 +8,7 @@ import lightflyer as lf
 from lightflyer.force.laws.channels import (
     ROUND,
     SLOT,
-    Surroundings,
+    GasAround,
     channel_coefficients,
     channel_conductance,
     channel_table,
@@ -169,10 +169,10 @@ def test_no_flow_without_a_temperature_difference(shape):
     assert thermomolecular_pressure(exponent, 5.0, 0.3, 0.3) == 0.0
     # one temperature of the wall, whatever is around it
     for common, difference in ((0.0, 0.3), (2.0, 5.0)):
-        warm, cold = gas_at_faces(0.3, 0.3, 0.6, 0.6, 0.4, Surroundings(common, difference))
+        warm, cold = gas_at_faces(0.3, 0.3, 0.6, 0.6, 0.4, GasAround(common, difference))
         assert warm == pytest.approx(float(cold), rel=1e-15)
     # a body much smaller than the mean free path, whatever its faces' temperatures
-    warm, cold = gas_at_faces(0.5, 0.1, 0.7, 0.6, 0.3, Surroundings(1e9, 2e9))
+    warm, cold = gas_at_faces(0.5, 0.1, 0.7, 0.6, 0.3, GasAround(1e9, 2e9))
     assert abs(thermomolecular_pressure(0.5, 1.0, warm, cold)) < 1e-6
 
 
@@ -197,7 +197,7 @@ def test_a_share_of_molecules_through_a_thin_wall():
             (1.0 - beta) * lower + beta * above,
             (1.0 - beta) * upper + beta * below,
         )
-    here = Surroundings(0.0, 0.0)
+    here = GasAround(0.0, 0.0)
     found = gas_at_faces(lower, upper, 1.0 - beta, 1.0 - beta, beta, here)
     np.testing.assert_allclose(found, [below, above], rtol=1e-12)
     difference = (1.0 - beta) / (1.0 + beta) * (lower - upper)
@@ -206,7 +206,7 @@ def test_a_share_of_molecules_through_a_thin_wall():
 
 def test_heat_of_the_gas_at_faces_closes():
     """Faces that differ in everything: what they give arrives far away."""
-    around = Surroundings(0.7, 1.9)
+    around = GasAround(0.7, 1.9)
     one, other = gas_at_faces(0.5, -0.2, 0.9, 0.4, 0.25, around)
     given = 0.9 * (0.5 - one) + 0.4 * (-0.2 - other)
     assert given == pytest.approx(float(around.common * (one + other)), rel=1e-12)

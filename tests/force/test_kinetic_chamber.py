@@ -15,7 +15,7 @@ from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.chamber import (
     FORCE_ERROR,
     PUSH_ERROR,
-    Chamber,
+    SurfaceDistances,
     chamber_fit,
 )
 
@@ -42,7 +42,7 @@ def disk(top=0.8, bottom=0.9):
 
 
 def misfits(fit, table):
-    place = Chamber(table["floor"], table["lid"], table["wall"])
+    place = SurfaceDistances(table["floor"], table["lid"], table["wall"])
     opened = 0.5, table["open_heat_ratio"]
     with float64():
         walls = fit.walls(table["knudsen"], place, opened, 0.85)

@@ -12,7 +12,7 @@ from lightflyer.kinetic_theory.collisions.brackets import Molecule
 from lightflyer.kinetic_theory.collisions.operator import CollisionOperator, Moments, slip
 from lightflyer.kinetic_theory.collisions.problem import MolecularProblem
 from lightflyer.kinetic_theory.disk.cases import Resolution
-from lightflyer.kinetic_theory.disk.linear import Walls
+from lightflyer.kinetic_theory.disk.linear import FaceWalls
 from lightflyer.kinetic_theory.disk.operators import Quadrature
 
 NITROGEN = Molecule(0.74, 0.2, rotates=True)
@@ -95,8 +95,8 @@ def totals(problem, walls):
 
 def test_force_of_heat_is_heat_of_motion(problem):
     # reciprocity: nothing in the solver knows of it
-    _, drawn = totals(problem, Walls((0.6, 0.9), (0.0, 0.0), velocity=1.0))
-    force, _ = totals(problem, Walls((0.6, 0.9), (0.0, 1.0)))
+    _, drawn = totals(problem, FaceWalls((0.6, 0.9), (0.0, 0.0), velocity=1.0))
+    force, _ = totals(problem, FaceWalls((0.6, 0.9), (0.0, 1.0)))
     assert force == pytest.approx(drawn[1], rel=2e-3)
 
 

@@ -6,7 +6,7 @@ import pytest
 from lightflyer.core.errors import ParameterError
 from lightflyer.kinetic_theory import solve, solve_moving
 from lightflyer.kinetic_theory.disk.cases import Case, Resolution, solve_case
-from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem, face_result
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
 from lightflyer.kinetic_theory.moving import MovedDisk
@@ -72,7 +72,7 @@ def test_a_face_that_accommodates_nothing_draws_no_heat_and_warms_up():
 def test_moved_disk_feels_the_free_molecular_drag(gas):
     mesh = SKETCH.mesh(0.004, np.inf)
     system = LinearSystem(assemble(mesh, 0.004, SKETCH.quadrature), gas, 0.3, wall="accommodated")
-    walls = Walls((0.3, 0.3), (0.0, 0.0), velocity=1.0)
+    walls = FaceWalls((0.3, 0.3), (0.0, 0.0), velocity=1.0)
     fields = system.solve(walls)[0]
     up, down = (
         mesh.face_weights @ face_result(system, walls, fields[k], k).pressure for k in (0, 1)

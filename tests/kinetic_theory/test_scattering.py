@@ -16,7 +16,7 @@ from lightflyer.kinetic_theory.disk.cases import (
     solve_case,
     totals,
 )
-from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem, face_result
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
 from lightflyer.kinetic_theory.disk.scattering import (
     NORMAL_ENERGY,
@@ -104,7 +104,7 @@ def test_full_accommodation_is_diffuse_reflection(gas, holes):
     operators, system = systems(1.5, ROUGH, gas, holes)
     diffuse = LinearSystem(operators, gas, 1.0, holes)
     for heated, velocity in (((1.0, 0.0), 0.0), ((0.0, 0.0), 1.0)):
-        walls = Walls((1.0, 1.0), heated, velocity, holes)
+        walls = FaceWalls((1.0, 1.0), heated, velocity, holes)
         fields = diffuse.solve(walls)[0]
         expected = totals(
             operators.mesh, [face_result(diffuse, walls, fields[k], k) for k in (0, 1)]

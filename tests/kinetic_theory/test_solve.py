@@ -20,7 +20,7 @@ from lightflyer.kinetic_theory.disk.cases import (
     sample,
     solve_case,
 )
-from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem, face_result
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
 from lightflyer.kinetic_theory.solver import TEMPERATURE_RATIOS
@@ -101,10 +101,10 @@ def test_force_of_heat_is_heat_of_motion(gas, kn):
     systems = {wall: LinearSystem(operators, gas, 0.75, wall=wall) for wall in get_args(Wall)}
     # the factors are those of a solid disk, and precondition the disks with holes
     for holes, (wall, system) in product((0.0, 0.4, 0.95), systems.items()):
-        moved = Walls(tac, (0.0, 0.0), velocity=1.0, open_fraction=holes)
+        moved = FaceWalls(tac, (0.0, 0.0), velocity=1.0, open_fraction=holes)
         flow = system.solve(moved)[0]
         for face in (0, 1):
-            hot = Walls(tac, (1.0, 0.0) if face == 0 else (0.0, 1.0), open_fraction=holes)
+            hot = FaceWalls(tac, (1.0, 0.0) if face == 0 else (0.0, 1.0), open_fraction=holes)
             fields = system.solve(hot)[0]
             weights = mesh.face_weights
             pressures = [weights @ face_result(system, hot, fields[k], k).pressure for k in (0, 1)]
@@ -117,7 +117,7 @@ def test_moved_disk_feels_the_free_molecular_drag():
     mesh = SKETCH.mesh(0.004, np.inf)
     operators = assemble(mesh, 0.004, SKETCH.quadrature)
     system = LinearSystem(operators, MONATOMIC, 0.7)
-    walls = Walls((0.7, 0.7), (0.0, 0.0), velocity=1.0)
+    walls = FaceWalls((0.7, 0.7), (0.0, 0.0), velocity=1.0)
     fields = system.solve(walls)[0]
     up, down = (
         mesh.face_weights @ face_result(system, walls, fields[k], k).pressure for k in (0, 1)

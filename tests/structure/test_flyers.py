@@ -11,7 +11,7 @@ from lightflyer.array import tree
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.tables import evaluate
 from lightflyer.flyer.hanging import Held
-from lightflyer.flyer.shape import Sheets, core_of_posts, shape_of_film, shape_of_sandwich
+from lightflyer.flyer.shape import BentSheets, core_of_posts, shape_of_film, shape_of_sandwich
 from lightflyer.structure import (
     Lamina,
     Laminate,
@@ -53,7 +53,7 @@ def on_posts(heat=ROOM, posts=POSTS, share=0.0, radius=0.01, load=0.0):
     films = ALUMINA, ALUMINA
     core = core_of_posts(posts, films, 1e-4, share)
     with lf.float64():
-        sheets = Sheets(films, (ROOM, heat), core, 1e-4, share, radius)
+        sheets = BentSheets(films, (ROOM, heat), core, 1e-4, share, radius)
         return plain(shape_of_sandwich(sheets, held(load), 0.0))
 
 

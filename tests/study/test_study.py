@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 import lightflyer as lf
-from lightflyer.study.axes import Axis, LogUniform, Normal, Uniform, draw_samples, read_entry
+from lightflyer.study.axes import LogUniform, Normal, StudyAxis, Uniform, draw_samples, read_entry
 from lightflyer.study.study import make_study, read_study
 
 STUDY = """\
@@ -159,7 +159,7 @@ def test_every_number_of_the_file_reaches_the_setup(film_section):
 def test_a_text_with_an_uncertainty_is_a_normal_distribution(design):
     found = read_entry("0.80 ± 0.05", design.field("film.tac_top"))
     assert found == Normal(design.field("film.tac_top"), 0.8, 0.05)
-    assert isinstance(read_entry(0.8, design.field("film.tac_top")), Axis)
+    assert isinstance(read_entry(0.8, design.field("film.tac_top")), StudyAxis)
 
 
 @pytest.mark.filterwarnings("ignore:film.absorptance. 31 %")

@@ -55,7 +55,7 @@ def _clear() -> None:
         call()
 
 
-class _Results(Console):
+class _Printed(Console):
     """The standard output stream, before which progress is cleared away."""
 
     # A table that is wider than the terminal keeps its digits: the terminal breaks its lines.
@@ -77,7 +77,7 @@ def printer(*, stderr: bool = False) -> Console:
     """Console that shows texts as they are; ``stderr``: print to the standard error stream."""
     # Names of files and of quantities may contain brackets, which Rich would take for markup, and
     # colons, which it would take for emoji.
-    kind = Console if stderr else _Results
+    kind = Console if stderr else _Printed
     console = kind(stderr=stderr, markup=False, emoji=False, highlight=False)
     if not console.is_terminal and "COLUMNS" not in os.environ:
         console.width = UNBOUNDED

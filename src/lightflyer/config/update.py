@@ -23,7 +23,7 @@ _NEW_FILE = 0o666
 _FACES = {"top": ("top",), "bottom": ("bottom",), "both": ("top", "bottom")}
 
 
-class Measured(Protocol):
+class UncertainNumber(Protocol):
     """A number with a standard uncertainty, such as an estimate of the lab bench."""
 
     @property
@@ -56,7 +56,7 @@ def require_no_doubt(path: Path, warnings: Sequence[str], *, insist: bool) -> No
             )
 
 
-def measured_text(estimate: Measured, digits: int = _DIGITS) -> str:
+def measured_text(estimate: UncertainNumber, digits: int = _DIGITS) -> str:
     """Text of an estimate for a flyer file; ``estimate``: with a standard uncertainty."""
     spread = estimate.uncertainty or 0.0
     if not spread > 0.0:
@@ -68,7 +68,7 @@ def measured_text(estimate: Measured, digits: int = _DIGITS) -> str:
 
 def update_flyer_file(
     path: str | Path,
-    values: Mapping[tuple[str, str], Measured],
+    values: Mapping[tuple[str, str], UncertainNumber],
     origin: str,
     *,
     insist: bool = False,

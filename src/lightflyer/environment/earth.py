@@ -23,7 +23,7 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.units import Measured
 from lightflyer.environment.atmosphere.earth import US1976, Lu2023Atmosphere
-from lightflyer.environment.atmosphere.nrlmsis import NRLMSIS, GlobalNRLMSIS, Indices
+from lightflyer.environment.atmosphere.nrlmsis import NRLMSIS, GlobalNRLMSIS, SolarActivity
 from lightflyer.environment.base import AbstractAtmosphere, Place
 from lightflyer.environment.horizon import EARTH_LIMB
 from lightflyer.environment.light.ground import AbstractGround, Knocke1988Ground, UniformGround
@@ -223,7 +223,7 @@ class EarthSection(SkySection):
         return self
 
     @property
-    def indices(self) -> Indices | None:
+    def indices(self) -> SolarActivity | None:
         """Activity of the sun and of the geomagnetic field, where the atmosphere has it."""
         return None
 
@@ -271,9 +271,9 @@ class GlobalNrlmsisSection(EarthSection):
     ap: GeomagneticIndex
 
     @property
-    def indices(self) -> Indices:
+    def indices(self) -> SolarActivity:
         mean = None if self.f107a is None else self.f107a.value
-        return Indices.of(self.f107.value, mean, self.ap.value)
+        return SolarActivity.of(self.f107.value, mean, self.ap.value)
 
     def build_atmosphere(self) -> AbstractAtmosphere:
         return GlobalNRLMSIS(**self.indices._asdict())

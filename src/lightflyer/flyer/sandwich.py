@@ -32,9 +32,9 @@ from lightflyer.flyer.hanging import Hanging, hangs_wrongly
 from lightflyer.flyer.shape import (
     OF_SANDWICHES,
     Bent,
+    BentSheets,
     Core,
     Shape,
-    Sheets,
     bent_sandwich,
     core_of_posts,
     shape_of_sandwich,
@@ -255,9 +255,9 @@ class Sandwich(AbstractThinFlyer):
             return super().bent(state, temperatures)
         return bent_sandwich(self._sheets(core, temperatures), self.held(state))
 
-    def _sheets(self, core: Core, temperatures: tuple[Array, ...]) -> Sheets:
+    def _sheets(self, core: Core, temperatures: tuple[Array, ...]) -> BentSheets:
         films = self._laminates
-        return Sheets(films, temperatures, core, self.gap, self.open_fraction, self.radius)
+        return BentSheets(films, temperatures, core, self.gap, self.open_fraction, self.radius)
 
     def highest_excess(self, state: EnvironmentState, power: Array) -> Array:
         """Excess in vacuum, by the outer faces alone [1]."""

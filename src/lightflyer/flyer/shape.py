@@ -178,7 +178,7 @@ def core_of_posts(
     return Core(shear, ligaments.free_radius, ligaments.spacing, root_moment(ligaments))
 
 
-class Sheets(NamedTuple):
+class BentSheets(NamedTuple):
     """Two films with holes, top and bottom, and what holds them apart."""
 
     films: Sequence[Laminate]
@@ -219,7 +219,7 @@ class Sheets(NamedTuple):
         return [share * flat_load(film, heat)[0] for film, heat in pairs]
 
 
-def bent_sandwich(sheets: Sheets, held: Held) -> Bent:
+def bent_sandwich(sheets: BentSheets, held: Held) -> Bent:
     """Two membranes that curl and carry as one."""
     whole, share = sheets.whole, perforated_share(sheets.open_fraction)
     moment = sum(
@@ -235,7 +235,7 @@ def bent_sandwich(sheets: Sheets, held: Held) -> Bent:
     return Bent(curl, plate, held.load)
 
 
-def shape_of_sandwich(sheets: Sheets, held: Held, pressure: Numeric) -> Shape:
+def shape_of_sandwich(sheets: BentSheets, held: Held, pressure: Numeric) -> Shape:
     """Shape of two membranes; ``pressure``: of the lift, borne by either [Pa]."""
     bent, whole, core = bent_sandwich(sheets, held), sheets.whole, sheets.core
     plate, tensions = bent.plate, sheets.tensions

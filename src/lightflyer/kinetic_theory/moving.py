@@ -148,7 +148,7 @@ def solve_moving(
     stated = tangential_accommodation, rotational_accommodation
     known, scattering = walls_of(wall, tacs, *stated, rotates=model.has_rotation)
     extra("numba", "the kinetic solver", "kinetic")
-    from lightflyer.kinetic_theory.disk.cases import Outcome, meshes
+    from lightflyer.kinetic_theory.disk.cases import DiskOutcome, meshes
 
     disk = MovedDisk(tacs, float(open_fraction), known, scattering)
     rarefaction = float(np.sqrt(np.pi) / (4.0 * knudsen))
@@ -162,7 +162,7 @@ def solve_moving(
         drag_ratio=fine.drag / disk.free_molecular_drag(model.has_rotation),
         heat=fine.heat,
         error_estimate=abs(fine.drag - coarse.drag),
-        _outcome=Outcome(-fine.drag, fine.heat, fine.fields, fine.iterations, mesh),
+        _outcome=DiskOutcome(-fine.drag, fine.heat, fine.fields, fine.iterations, mesh),
     )
 
 
@@ -171,7 +171,7 @@ def moving_outcomes(
 ) -> list[MovingOutcome]:
     """Solve for several gases and disks on one mesh, whose rays are traced once."""
     from lightflyer.kinetic_theory.disk.cases import totals
-    from lightflyer.kinetic_theory.disk.linear import LinearSystem, Walls, face_result
+    from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem, face_result
     from lightflyer.kinetic_theory.disk.operators import assemble
     from lightflyer.kinetic_theory.disk.scattering import (
         Scattering,
@@ -199,7 +199,7 @@ def moving_outcomes(
         if system is None or system.gas is not gas or system.wall != disk.wall:
             mean = 0.5 * sum(disk.tac)
             system = LinearSystem(operators, gas, mean, disk.open_fraction, disk.wall)
-        walls = Walls(disk.tac, (0.0, 0.0), velocity=1.0, open_fraction=disk.open_fraction)
+        walls = FaceWalls(disk.tac, (0.0, 0.0), velocity=1.0, open_fraction=disk.open_fraction)
         fields, iterations = system.solve(walls)
         force, heat = totals(
             mesh, [face_result(system, walls, fields[face], face) for face in (0, 1)]

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.kinetic_theory.collisions.brackets import Molecule
-    from lightflyer.kinetic_theory.disk.cases import Case, Outcome
+    from lightflyer.kinetic_theory.disk.cases import Case, DiskOutcome
     from lightflyer.kinetic_theory.walls import FreeMolecularDisk
 
 KNUDSEN_RANGE = (0.03, 100.0)  # Knudsen numbers λ(T_c)/(2r) for which the meshes are made
@@ -61,7 +61,7 @@ class Solution(ShortRepr):
     force: float  #: Upwards [p·A], per unit perturbation in the linear problem
     heat: tuple[float, float]  #: Out of the top and bottom face [p √(2RT_c) A], likewise
     _case: "Case" = field(repr=False)
-    _outcome: "Outcome" = field(repr=False)
+    _outcome: "DiskOutcome" = field(repr=False)
 
     @property
     def is_linear(self) -> bool:

@@ -27,7 +27,7 @@ from lightflyer.design.design import AbstractDesign, Field
 from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
-from lightflyer.study.axes import SAMPLES, Axis, require
+from lightflyer.study.axes import SAMPLES, StudyAxis, require
 from lightflyer.study.sections import SamplingSection, from_arguments
 from lightflyer.study.study import Dimension, Study, assemble_study, read_entries
 
@@ -72,7 +72,7 @@ def _array(known: Field, entry: Any) -> "xr.DataArray":
     if is_labelled(entry):
         array: xr.DataArray = known.quantity.number(known.name, entry)
         return array if is_labelled(array) else xr.DataArray(array)
-    if not isinstance(entry, Axis):
+    if not isinstance(entry, StudyAxis):
         raise ConfigurationError(f"{known.name}: a distribution cannot be combined with DataArrays")
     if entry.single:
         return xr.DataArray(float(entry.values[0]))

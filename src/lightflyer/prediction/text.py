@@ -36,7 +36,7 @@ Bands: TypeAlias = Mapping[str, tuple[float, float]]
 """95 % bands of results, by their names in the summary of the uncertainty."""
 
 
-class Shares(NamedTuple):
+class SampleShares(NamedTuple):
     """In how many samples of its uncertainties a flyer flies, and its film survives at rest."""
 
     samples: int = 0
@@ -44,14 +44,14 @@ class Shares(NamedTuple):
     survives: float | None = None  # None where the film's limit is not known, too
 
 
-_UNKNOWN = Shares()
+_UNKNOWN = SampleShares()
 
 
 def prediction_parts(
     prediction: "Prediction",
     width: int = NARROW,
     bands: Bands = _NONE,
-    shares: Shares = _UNKNOWN,
+    shares: SampleShares = _UNKNOWN,
     *,
     sources: str = "",
     verbose: bool = False,
@@ -86,7 +86,7 @@ def prediction_parts(
 def verdict_lines(
     prediction: "Prediction",
     bands: Bands = _NONE,
-    shares: Shares = _UNKNOWN,
+    shares: SampleShares = _UNKNOWN,
     *,
     payload: bool = True,
 ) -> Iterator[str]:
@@ -151,7 +151,7 @@ def _percent(share: float | None) -> str:
 
 
 def film_lines(
-    prediction: "Prediction", bands: Bands = _NONE, shares: Shares = _UNKNOWN
+    prediction: "Prediction", bands: Bands = _NONE, shares: SampleShares = _UNKNOWN
 ) -> Iterator[str]:
     """What becomes of a flyer when released, and where and in which light its film survives."""
     found = prediction.verdict

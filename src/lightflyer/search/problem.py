@@ -19,7 +19,7 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.search.bounds import Bounds, Tolerance, errors_of, read_bounds
 from lightflyer.study.axes import Distribution, draw_samples, read_entry, stated_distributions
 from lightflyer.study.sections import OptimiseSection, SamplingSection, from_arguments
-from lightflyer.study.study import Source, errors_at, read_study_file, require_compatible
+from lightflyer.study.study import StudySource, errors_at, read_study_file, require_compatible
 
 PROBABILITY = "probability_of_flying"
 """Share of the samples in which a design carries its weight: an objective or a constraint."""
@@ -67,7 +67,7 @@ class Choice:
     stacks: AbstractStacks
     section: OptimiseSection  # What else is asked
     sampling: SamplingSection | None
-    source: Source | None
+    source: StudySource | None
     time_limit: float  # Of the choice, infinite where none is set [s]
 
     def any_stack(self) -> "Problem":
@@ -223,7 +223,7 @@ def make_problem(
     design: AbstractDesign,
     section: OptimiseSection,
     sampling: SamplingSection | None = None,
-    source: Source | None = None,
+    source: StudySource | None = None,
 ) -> Problem:
     """Look up what an optimisation names, check it, and draw its samples."""
     if section.stacks is not None:
@@ -299,7 +299,7 @@ def _with_choice(
     design: AbstractDesign,
     section: OptimiseSection,
     sampling: SamplingSection | None,
-    source: Source | None,
+    source: StudySource | None,
 ) -> Problem:
     """The problem of any of the stacks that a section allows."""
     asked = section.stacks
@@ -329,7 +329,7 @@ def _with_choice(
 
 
 def _objectives(
-    design: AbstractDesign, section: OptimiseSection, source: Source | None
+    design: AbstractDesign, section: OptimiseSection, source: StudySource | None
 ) -> tuple[Objective, ...]:
     objectives = tuple(
         Objective(name, sign)
@@ -353,7 +353,7 @@ def _objectives(
 
 
 def _constraints(
-    design: AbstractDesign, section: OptimiseSection, source: Source | None
+    design: AbstractDesign, section: OptimiseSection, source: StudySource | None
 ) -> tuple[Constraint, ...]:
     found = []
     for name, limits in section.constraints.items():

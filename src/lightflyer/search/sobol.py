@@ -37,12 +37,12 @@ from lightflyer.search.sobol_estimates import (
     indices_with_intervals,
     measured_differences,
 )
-from lightflyer.study.axes import SAMPLE, Axis, Distribution, read_entry, stated_distributions
+from lightflyer.study.axes import SAMPLE, Distribution, StudyAxis, read_entry, stated_distributions
 from lightflyer.study.sections import SensitivitySection, from_arguments
 from lightflyer.study.study import (
     Dimension,
-    Source,
     Study,
+    StudySource,
     errors_at,
     read_study_file,
     require_compatible,
@@ -249,21 +249,21 @@ def read_sensitivity_study(path: str | Path) -> SensitivityStudy:
 
 
 def make_sensitivity_study(
-    design: AbstractDesign, section: SensitivitySection, source: Source | None = None
+    design: AbstractDesign, section: SensitivitySection, source: StudySource | None = None
 ) -> SensitivityStudy:
     """Look up what a sensitivity study names and check it."""
     fixed: dict[str, float] = {}
     for name, entry in section.at.items():
         with errors_at(source, "sensitivity", "at", name):
             found = read_entry(entry, design.field(name))
-            if not (isinstance(found, Axis) and found.single):
+            if not (isinstance(found, StudyAxis) and found.single):
                 raise ConfigurationError('is not one value, such as "70 km"')
         fixed[name] = float(found.values[0])
     inputs: list[Distribution] = []
     for name, entry in section.inputs.items():
         with errors_at(source, "sensitivity", "inputs", name):
             found = read_entry(entry, design.field(name))
-            if isinstance(found, Axis):
+            if isinstance(found, StudyAxis):
                 raise ConfigurationError(
                     'is not uncertain; write "0.80 ± 0.01" or { distribution = ... }'
                 )

@@ -160,7 +160,7 @@ _EXAMPLE = '{ from = "1 cm", to = "5 cm", points = 9 }'
 
 
 @dataclass(frozen=True, eq=False)
-class Axis:
+class StudyAxis:
     """Values of one number, a dimension of their own; a single value is no dimension."""
 
     field: Field
@@ -168,7 +168,7 @@ class Axis:
     single: bool = False  # Whether it is one value, given as such
 
 
-def read_entry(entry: Any, field: Field) -> Axis | Distribution:
+def read_entry(entry: Any, field: Field) -> StudyAxis | Distribution:
     """What a study says about a number."""
     if hasattr(entry, "to_numpy") or hasattr(entry, "magnitude"):
         entry = np.asarray(field.quantity.number(field.name, entry))
@@ -188,11 +188,11 @@ def read_entry(entry: Any, field: Field) -> Axis | Distribution:
     if isinstance(entry, np.ndarray | np.number):
         # as from other arrays: in the unit of the field
         require(field, np.asarray(entry))
-        return Axis(field, np.array([entry], float), single=True)
+        return StudyAxis(field, np.array([entry], float), single=True)
     measured = field.quantity.read(entry)
     if measured.uncertainty:
         return Normal(field, measured.value, measured.uncertainty)
-    return Axis(field, np.array([measured.value]), single=True)
+    return StudyAxis(field, np.array([measured.value]), single=True)
 
 
 def require(field: Field, values: np.ndarray) -> None:
@@ -203,15 +203,15 @@ def require(field: Field, values: np.ndarray) -> None:
         raise ConfigurationError(f"{error} {field.quantity.unit}".rstrip()) from None
 
 
-def _axis(field: Field, values: np.ndarray) -> Axis:
+def _axis(field: Field, values: np.ndarray) -> StudyAxis:
     if not values.size:
         raise ConfigurationError("is an empty list; give at least one value")
     if np.unique(values).size < values.size:
         raise ConfigurationError("has a repeated value")
-    return Axis(field, values)
+    return StudyAxis(field, values)
 
 
-def _range(entry: Mapping[str, Any], field: Field) -> Axis:
+def _range(entry: Mapping[str, Any], field: Field) -> StudyAxis:
     _require_keys(entry, _RANGE, ("from", "to", "points"), "a range")
     points = entry["points"]
     if isinstance(points, bool) or not isinstance(points, int) or points < 2:
@@ -220,7 +220,7 @@ def _range(entry: Mapping[str, Any], field: Field) -> Axis:
         raise ConfigurationError(f"points = {points} must be at most {MOST_SAMPLES}")
     low, high, logarithmic = read_ends(entry, field)
     spaced = np.geomspace if logarithmic else np.linspace
-    return Axis(field, spaced(low, high, points))
+    return StudyAxis(field, spaced(low, high, points))
 
 
 def read_ends(

@@ -13,14 +13,14 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.design.design import AbstractDesign, Field, digest
 from lightflyer.design.outputs import Output, check_outputs, outputs_of
 from lightflyer.files.toml_file import place_of, read_file
-from lightflyer.study.axes import SAMPLE, Axis, Distribution, draw_samples, read_entry
+from lightflyer.study.axes import SAMPLE, Distribution, StudyAxis, draw_samples, read_entry
 from lightflyer.study.sections import STUDY_FILE, SamplingSection, StudyFile
 
 _LISTED = 6  # values of a number that are shown one by one
 
 
 @dataclass(frozen=True)
-class Source:
+class StudySource:
     """Where a study was read from, for messages and for the record."""
 
     path: Path
@@ -34,7 +34,7 @@ class Source:
 
 
 @contextmanager
-def errors_at(source: Source | None, *keys: str) -> Iterator[None]:
+def errors_at(source: StudySource | None, *keys: str) -> Iterator[None]:
     """Let errors inside begin with the key that they are about, and its place."""
     try:
         yield
@@ -45,7 +45,7 @@ def errors_at(source: Source | None, *keys: str) -> Iterator[None]:
         raise ConfigurationError((source.place(keys) if source else keys[-1]) + rest) from None
 
 
-def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, Source]:
+def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, StudySource]:
     """Read a study file and the flyer file that it names; ``path``: A TOML file."""
     path = Path(path)
     study, text = read_file(StudyFile, path, STUDY_FILE)
@@ -55,7 +55,7 @@ def read_study_file(path: str | Path) -> tuple[StudyFile, AbstractDesign, Source
             f'{place_of(["flyer"], text, path)}: flyer = "{study.flyer}" does not exist; name a '
             "flyer file relative to the study file"
         )
-    return study, as_design(flyer), Source(path, text)
+    return study, as_design(flyer), StudySource(path, text)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ def read_entries(
     design: AbstractDesign,
     entries: Mapping[str, object],
     outputs: Sequence[str],
-    source: Source | None = None,
+    source: StudySource | None = None,
 ) -> dict[str, Any]:
     """Read and check what a study varies: axes, distributions, or labelled arrays, by name."""
     if not entries:
@@ -163,7 +163,7 @@ def make_study(
     entries: Mapping[str, object],
     outputs: Sequence[str],
     sampling: SamplingSection | None = None,
-    source: Source | None = None,
+    source: StudySource | None = None,
 ) -> Study:
     """Look up what a study names, check it, and draw its samples."""
     found = read_entries(design, entries, outputs, source)
@@ -172,10 +172,10 @@ def make_study(
 
 def assemble_study(
     design: AbstractDesign,
-    entries: Mapping[str, Axis | Distribution],
+    entries: Mapping[str, StudyAxis | Distribution],
     outputs: Sequence[str],
     sampling: SamplingSection | None = None,
-    source: Source | None = None,
+    source: StudySource | None = None,
 ) -> Study:
     """Study of entries that are read."""
     found = list(entries.values())
@@ -185,7 +185,7 @@ def assemble_study(
         fixed={
             axis.field.name: float(axis.values[0])
             for axis in found
-            if isinstance(axis, Axis) and axis.single
+            if isinstance(axis, StudyAxis) and axis.single
         },
         outputs=tuple(dict.fromkeys(outputs)),
         text=source.text if source else "",
@@ -193,7 +193,7 @@ def assemble_study(
 
 
 def require_compatible(
-    design: AbstractDesign, names: list[str], source: Source | None, *sections: str
+    design: AbstractDesign, names: list[str], source: StudySource | None, *sections: str
 ) -> None:
     """Raise where two numbers cannot be given at once."""
     conflict = design.conflict(names)
@@ -205,14 +205,14 @@ def require_compatible(
 
 def _dimensions(
     design: AbstractDesign,
-    found: Sequence[Axis | Distribution],
+    found: Sequence[StudyAxis | Distribution],
     sampling: SamplingSection,
-    source: Source | None,
+    source: StudySource | None,
 ) -> tuple[Dimension, ...]:
     dimensions = [
         Dimension(axis.field.name, {axis.field.name: axis.values})
         for axis in found
-        if isinstance(axis, Axis) and not axis.single
+        if isinstance(axis, StudyAxis) and not axis.single
     ]
     distributions = [part for part in found if isinstance(part, Distribution)]
     if distributions:

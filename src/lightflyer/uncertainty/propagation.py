@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lightflyer.prediction.text import Shares
+    from lightflyer.prediction.text import SampleShares
 
 DEFAULT_SAMPLES = 500  # Monte Carlo samples where nothing else is asked for
 
@@ -207,11 +207,11 @@ class PredictionUncertainty(PrintedResult):
         return None if heat is None or highest is None else float(np.mean(heat <= highest))
 
     @property
-    def shares(self) -> "Shares":
+    def shares(self) -> "SampleShares":
         """In how many samples it flies and survives, as the verdict tells it."""
-        from lightflyer.prediction.text import Shares
+        from lightflyer.prediction.text import SampleShares
 
-        return Shares(self.samples, self.share_that_levitates, self.share_that_survives)
+        return SampleShares(self.samples, self.share_that_levitates, self.share_that_survives)
 
     @property
     def tac_correlation(self) -> float | None:

@@ -43,7 +43,7 @@ def _check(name: str, value: float, kind: Any) -> None:
         quantity.check(name, value)
 
 
-class Indices(NamedTuple):
+class SolarActivity(NamedTuple):
     """Activity of the sun and of the geomagnetic field, as NRLMSIS takes it."""
 
     f107: float  # Solar flux at 10.7 cm of the previous day [sfu]
@@ -51,7 +51,7 @@ class Indices(NamedTuple):
     ap: float  # Daily geomagnetic index
 
     @classmethod
-    def of(cls, f107: float, f107a: float | None, ap: float) -> "Indices":
+    def of(cls, f107: float, f107a: float | None, ap: float) -> "SolarActivity":
         """Checked indices; a mean that is None is taken for that of the day."""
         f107a = f107 if f107a is None else f107a
         _check("f107", f107, SolarFlux)
@@ -68,7 +68,7 @@ def evaluate(
     date: np.datetime64,
     latitude: np.ndarray,
     longitude: np.ndarray,
-    indices: Indices,
+    indices: SolarActivity,
     altitude: np.ndarray,
 ) -> np.ndarray:
     """NRLMSIS 2.1 at columns of one time [K], shape (3, m, n, k); ``altitude`` (k,)."""
@@ -133,7 +133,7 @@ class NRLMSIS(AbstractAtmosphere):
     kinetic_temperature: Spline
     molar_mass: Spline
     place: Place
-    indices: Indices
+    indices: SolarActivity
 
     def __init__(
         self,
@@ -146,7 +146,7 @@ class NRLMSIS(AbstractAtmosphere):
     ):
         _check("latitude", latitude, Latitude)
         _check("longitude", longitude, Longitude)
-        indices = Indices.of(f107, f107a, ap)
+        indices = SolarActivity.of(f107, f107a, ap)
         if date.tzinfo is not None:
             date = date.astimezone(datetime.UTC)
         altitudes = np.arange(0.0, _TOP_OF_PROFILE + _STEP_OF_PROFILE, _STEP_OF_PROFILE)
@@ -254,7 +254,7 @@ def _basis(season: Any, day: Any, longitude: Any, xp: Any = xp) -> Any:
     return waves[..., _TERMS[:, 0]] * _yearly(season, xp)[..., _TERMS[:, 1]]
 
 
-def _samples(indices: Indices) -> tuple[np.ndarray, np.ndarray]:
+def _samples(indices: SolarActivity) -> tuple[np.ndarray, np.ndarray]:
     """Terms, shape (samples, terms), and the model, shape (samples, 3, latitudes, altitudes)."""
     terms, values = [], []
     days = np.round(np.arange(_SEASONS) * _DAYS_OF_MODEL / _SEASONS).astype(int)
@@ -274,7 +274,7 @@ def _samples(indices: Indices) -> tuple[np.ndarray, np.ndarray]:
 
 
 @cache
-def _coefficients(indices: Indices) -> np.ndarray:
+def _coefficients(indices: SolarActivity) -> np.ndarray:
     """Fitted coefficients, shape (latitudes, altitudes, 3, terms)."""
     terms, model = _samples(indices)
     fitted = np.linalg.pinv(terms) @ model.reshape(len(model), -1)
@@ -319,10 +319,10 @@ class GlobalNRLMSIS(AbstractAtmosphere):
     coefficients: Any
     latitudes: Axis
     altitudes: Axis
-    indices: Indices
+    indices: SolarActivity
 
     def __init__(self, f107: float, ap: float, f107a: float | None = None):
-        self.indices = Indices.of(f107, f107a, ap)
+        self.indices = SolarActivity.of(f107, f107a, ap)
         inner = _coefficients(self.indices)
         # one row beyond each pole, where the row before the pole is met from the other side
         south, north = (inner[row] * _PARITIES for row in (1, -2))

@@ -20,7 +20,7 @@ from lightflyer.core.text import span
 from lightflyer.environment.base import AbstractAtmosphere, Place, Wind
 
 
-class Air(NamedTuple):
+class AirBesideWind(NamedTuple):
     """What a wind's data know of the air itself."""
 
     temperature: Numeric  # [K]
@@ -53,7 +53,7 @@ class AbstractWind(Module):
         altitude: Altitude,  # noqa: ARG002
         place: Place,  # noqa: ARG002
         atmosphere: AbstractAtmosphere,  # noqa: ARG002
-    ) -> Air | None:
+    ) -> AirBesideWind | None:
         """The air of the wind's data; None where they have none, or only winds are meant.
 
         ``altitude`` [m]; ``atmosphere``: the air where the data end.
@@ -152,7 +152,9 @@ class SumOfWinds(AbstractWind):
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return _sum(tuple(wind.velocity(altitude, place) for wind in self.winds))
 
-    def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
+    def air(
+        self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere
+    ) -> AirBesideWind | None:
         found = (wind.air(altitude, place, atmosphere) for wind in self.winds)
         return next((air for air in found if air is not None), None)
 

@@ -66,7 +66,7 @@ class WindGrid(NamedTuple):
     air: np.ndarray | None = None
 
 
-class Fields(NamedTuple):
+class WindFields(NamedTuple):
     """Fields of a dataset in SI units, shape (t, z, y, x), with increasing coordinates."""
 
     axes: list[np.ndarray]  # of time, level, latitude and longitude
@@ -86,7 +86,7 @@ def read_grid(dataset: Any) -> WindGrid:
     return grid_of(fields, told, new, winds_on(new, fields, altitude))
 
 
-def read_fields(dataset: Any, *, air_only: bool = False) -> Fields:
+def read_fields(dataset: Any, *, air_only: bool = False) -> WindFields:
     """Check a dataset and take winds, temperature and geopotential from it, or these two alone."""
     dataset = in_one_layout(dataset)
     given = [] if air_only else _variables(dataset)
@@ -114,7 +114,7 @@ def read_fields(dataset: Any, *, air_only: bool = False) -> Fields:
     }
     if {"geopotential", "height"} & {*known}:
         check_heights(dataset, axes[1], found)
-    return Fields(axes, by_pressure, order[-1] is None, found, units.get("w") == _OMEGA)
+    return WindFields(axes, by_pressure, order[-1] is None, found, units.get("w") == _OMEGA)
 
 
 def readers_of(*, by_pressure: bool) -> tuple[Callable[[Any], np.ndarray], ...]:
@@ -123,7 +123,7 @@ def readers_of(*, by_pressure: bool) -> tuple[Callable[[Any], np.ndarray], ...]:
 
 
 def grid_of(
-    fields: Fields,
+    fields: WindFields,
     told: str,
     altitudes: np.ndarray | None = None,
     winds: dict[str, np.ndarray] | None = None,
@@ -294,7 +294,7 @@ def require_finite(values: np.ndarray, name: str) -> None:
         )
 
 
-def _whole_levels(fields: Fields) -> Fields:
+def _whole_levels(fields: WindFields) -> WindFields:
     """Levels from the lowest one that no mountain reaches."""
     level = fields.axes[1]
     whole = np.logical_and.reduce(
@@ -311,7 +311,7 @@ def _whole_levels(fields: Fields) -> Fields:
     return fields._replace(axes=axes, values=kept)
 
 
-def heights_of(fields: Fields) -> tuple[np.ndarray | None, str]:
+def heights_of(fields: WindFields) -> tuple[np.ndarray | None, str]:
     """Altitudes of pressure levels [m], shape (t, z, y, x), where a file tells them, and how."""
     if not fields.by_pressure:
         return None, ""
@@ -334,7 +334,7 @@ def heights_of(fields: Fields) -> tuple[np.ndarray | None, str]:
     return altitude, told
 
 
-def winds_on(new: np.ndarray, fields: Fields, altitude: np.ndarray) -> dict[str, np.ndarray]:
+def winds_on(new: np.ndarray, fields: WindFields, altitude: np.ndarray) -> dict[str, np.ndarray]:
     """The winds and the air on new levels [m]; ``altitude``: of the levels that they are on."""
     winds = {name: fields.values[name] for name in _VARIABLES if name in fields.values}
     if fields.is_omega:  # of air in hydrostatic balance

@@ -16,9 +16,9 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import RADIANS_PER_DEGREE, Altitude, require_record
 from lightflyer.environment.base import AbstractAtmosphere, Place, Wind
-from lightflyer.environment.wind.base import AbstractWind, Air, near_poles, next_to
+from lightflyer.environment.wind.base import AbstractWind, AirBesideWind, near_poles, next_to
 from lightflyer.environment.wind.dataset import WindGrid, read_grid
-from lightflyer.environment.wind.store import Store, open_wind
+from lightflyer.environment.wind.store import WindStore, open_wind
 from lightflyer.numerics.interpolation import Axis, interpolate
 
 _TURN = 2.0 * np.pi
@@ -155,20 +155,20 @@ class GriddedWind(AbstractWind):
     rises: bool = field(static=True)
     has_air: bool = field(static=True)
     told: str = field(static=True)
-    store: Store | None = field(static=True)
+    store: WindStore | None = field(static=True)
     spacing: float = field(static=True)  # longest of its times [s]; infinite for one time
 
     def __init__(
         self, dataset: Any, atmosphere: AbstractAtmosphere | None = None, *, air: bool = True
     ):
-        is_read = isinstance(dataset, WindGrid | Store)
+        is_read = isinstance(dataset, WindGrid | WindStore)
         grid = dataset if is_read else read_grid(dataset)
         if grid.by_pressure and atmosphere is None:
             raise ConfigurationError(
                 "winds: on pressure levels need an atmosphere, which knows their altitudes"
             )
         self.told = grid.told
-        if isinstance(grid, Store):
+        if isinstance(grid, WindStore):
             self.store, self.table, self.axes, self.rises = grid, None, None, grid.rises
             self.has_air = air and grid.has_air
             coordinates = tuple(grid.axes)
@@ -207,12 +207,14 @@ class GriddedWind(AbstractWind):
         wind = self._at(altitude, place)[:3]
         return self._require_margins(altitude, place, Wind(*wind))
 
-    def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
+    def air(
+        self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere
+    ) -> AirBesideWind | None:
         del atmosphere
         if not self.has_air:
             return None
         temperature, log_pressure = self._at(altitude, place)[3:]
-        return Air(temperature, xp.exp(log_pressure))
+        return AirBesideWind(temperature, xp.exp(log_pressure))
 
     def _at(self, altitude: Altitude, place: Place) -> tuple[Any, ...]:
         """East, north, up [m/s], and where known temperature [K] and logarithm of the pressure."""
@@ -347,7 +349,9 @@ class WindBeyondData(AbstractWind):
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return self._require_margins(altitude, place, _velocity(self, altitude, place))
 
-    def air(self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere) -> Air | None:
+    def air(
+        self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere
+    ) -> AirBesideWind | None:
         if not self.data.has_air:
             return None
         return _air(self, altitude, place, atmosphere)
@@ -399,7 +403,7 @@ def _inner(lowest: float, highest: float, altitude: Altitude) -> Array:
 @entry_point
 def _air(
     wind: WindBeyondData, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere
-) -> Air:
+) -> AirBesideWind:
     margins = wind.data.margins(altitude, place).items()
     sides = [margin for name, margin in margins if not name.startswith("altitude")]
     beside = _smooth(reduce(xp.minimum, sides, xp.asarray(1.0)))
@@ -409,7 +413,7 @@ def _air(
     known = beside > 0.0  # elsewhere NaN
     warmer = xp.where(known, data.temperature - atmosphere.temperature(inner, place), 0.0)
     ratio = xp.where(known, data.pressure / atmosphere.pressure(inner, place), 1.0)
-    return Air(
+    return AirBesideWind(
         atmosphere.temperature(altitude, place) + _weight(wind.data, altitude, place) * warmer,
         atmosphere.pressure(altitude, place) * ratio**beside,
     )

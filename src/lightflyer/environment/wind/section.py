@@ -11,14 +11,14 @@ from pydantic import ValidationInfo
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import GeomagneticIndex, SolarFlux, Velocity
 from lightflyer.core.units import Measured
-from lightflyer.environment.atmosphere.nrlmsis import GlobalNRLMSIS, Indices
+from lightflyer.environment.atmosphere.nrlmsis import GlobalNRLMSIS, SolarActivity
 from lightflyer.environment.base import AbstractAtmosphere
 from lightflyer.environment.wind.base import AbstractWind, SumOfWinds, UniformWind
 from lightflyer.environment.wind.dataset import WindGrid
 from lightflyer.environment.wind.gradient import GradientWind
 from lightflyer.environment.wind.gridded import GriddedWind, WindBeyondData
 from lightflyer.environment.wind.hwm14 import HWM14
-from lightflyer.environment.wind.store import Store, changes_of, open_wind
+from lightflyer.environment.wind.store import WindStore, changes_of, open_wind
 from lightflyer.files.section import Alternative
 from lightflyer.files.toml_file import file_beside
 
@@ -37,14 +37,14 @@ class WindSection(Alternative, abc.ABC):
 
     @abc.abstractmethod
     def build_horizontal(
-        self, atmosphere: AbstractAtmosphere, indices: Indices | None
+        self, atmosphere: AbstractAtmosphere, indices: SolarActivity | None
     ) -> AbstractWind:
         """The wind of this kind, in an atmosphere and for its activity where it states one."""
 
-    def require(self, indices: Indices | None) -> None:
+    def require(self, indices: SolarActivity | None) -> None:
         """Raise :class:`ConfigurationError` where the wind lacks an activity of the sun."""
 
-    def build(self, atmosphere: AbstractAtmosphere, indices: Indices | None) -> AbstractWind:
+    def build(self, atmosphere: AbstractAtmosphere, indices: SolarActivity | None) -> AbstractWind:
         """The wind; ``atmosphere``: that the wind blows in."""
         horizontal = self.build_horizontal(atmosphere, indices)
         upwards = UniformWind(up=self.up.value)
@@ -59,7 +59,7 @@ class UniformWindSection(WindSection, of=UniformWind):
     def build_horizontal(
         self,
         atmosphere: AbstractAtmosphere,  # noqa: ARG002
-        indices: Indices | None,  # noqa: ARG002
+        indices: SolarActivity | None,  # noqa: ARG002
     ) -> AbstractWind:
         wind: UniformWind = self.make(up=0.0)
         return wind
@@ -78,24 +78,24 @@ class GradientWindSection(WindSection):
     def build_horizontal(
         self,
         atmosphere: AbstractAtmosphere,  # noqa: ARG002
-        indices: Indices | None,
+        indices: SolarActivity | None,
     ) -> AbstractWind:
         given = self.indices or indices
         if given is None:
             raise ConfigurationError(_NO_ACTIVITY)
         return GradientWind(GlobalNRLMSIS(**given._asdict()))
 
-    def require(self, indices: Indices | None) -> None:
+    def require(self, indices: SolarActivity | None) -> None:
         if self.indices is None and indices is None:
             raise ConfigurationError(_NO_ACTIVITY)
 
     @property
-    def indices(self) -> Indices | None:
+    def indices(self) -> SolarActivity | None:
         """The section's own activity."""
         if self.f107 is None or self.ap is None:
             return None
         mean = None if self.f107a is None else self.f107a.value
-        return Indices.of(self.f107.value, mean, self.ap.value)
+        return SolarActivity.of(self.f107.value, mean, self.ap.value)
 
     @pydantic.model_validator(mode="after")
     def _together(self) -> "GradientWindSection":
@@ -122,7 +122,7 @@ class DataWindSection(WindSection):
     def build_horizontal(
         self,
         atmosphere: AbstractAtmosphere,
-        indices: Indices | None,
+        indices: SolarActivity | None,
     ) -> AbstractWind:
         data = GriddedWind(_grid(self.file), atmosphere, air=self.air != "atmosphere")
         if self.air == "data" and not data.has_air:
@@ -135,7 +135,7 @@ class DataWindSection(WindSection):
         assert indices is not None
         return WindBeyondData(data, GradientWind(GlobalNRLMSIS(**indices._asdict())))
 
-    def require(self, indices: Indices | None) -> None:
+    def require(self, indices: SolarActivity | None) -> None:
         if self.beyond is not None and indices is None:
             raise ConfigurationError(
                 'wind.beyond = "gradient" is the wind of NRLMSIS: it needs an atmosphere with f107 '
@@ -159,12 +159,12 @@ class Hwm14WindSection(WindSection):
     def build_horizontal(
         self,
         atmosphere: AbstractAtmosphere,  # noqa: ARG002
-        indices: Indices | None,  # noqa: ARG002
+        indices: SolarActivity | None,  # noqa: ARG002
     ) -> AbstractWind:
         return HWM14(self.file)
 
 
-def _grid(path: str) -> WindGrid | Store:
+def _grid(path: str) -> WindGrid | WindStore:
     try:
         changed = changes_of(path)
     except OSError as error:
@@ -173,5 +173,5 @@ def _grid(path: str) -> WindGrid | Store:
 
 
 @cache
-def _grid_of(path: str, changed: tuple[int, ...]) -> WindGrid | Store:  # noqa: ARG001
+def _grid_of(path: str, changed: tuple[int, ...]) -> WindGrid | WindStore:  # noqa: ARG001
     return open_wind(path)

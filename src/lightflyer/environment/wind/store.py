@@ -18,7 +18,7 @@ from lightflyer.environment.base import Place
 from lightflyer.environment.wind.base import near_poles, next_to
 from lightflyer.environment.wind.dataset import (
     PLACING,
-    Fields,
+    WindFields,
     WindGrid,
     dimensions_of,
     grid_of,
@@ -51,7 +51,7 @@ _Window = tuple[range, range, range]  # the same without levels, all of which it
 _Table = tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]]
 
 
-def open_wind(path: str | Path) -> "WindGrid | Store":
+def open_wind(path: str | Path) -> "WindGrid | WindStore":
     """Winds of files: in memory where there is room for them."""
     files = open_parts(path)
     sizes = (max((field.size for field in file.data_vars.values()), default=0) for file in files)
@@ -60,7 +60,7 @@ def open_wind(path: str | Path) -> "WindGrid | Store":
         for file in files:
             file.close()
         return read_grid(dataset)
-    return Store(path, files)
+    return WindStore(path, files)
 
 
 def changes_of(path: str | Path) -> tuple[int, ...]:
@@ -68,7 +68,7 @@ def changes_of(path: str | Path) -> tuple[int, ...]:
     return tuple(Path(file).stat().st_mtime_ns for file in weather_files(path))
 
 
-class Store:
+class WindStore:
     """Winds of files that stay on the disk; equal to any other of the same files."""
 
     def __init__(self, path: str | Path, files: list[Any]):
@@ -112,7 +112,7 @@ class Store:
         self.axes = [source[0], own if altitude is None else self._common_levels(), *source[2:]]
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Store) and self.key == other.key
+        return isinstance(other, WindStore) and self.key == other.key
 
     def __hash__(self) -> int:
         return hash(self.key)
@@ -241,7 +241,7 @@ class Store:
 
     # --- reading ---
 
-    def _fields(self, ranges: _Ranges, *, air_only: bool = False) -> Fields:
+    def _fields(self, ranges: _Ranges, *, air_only: bool = False) -> WindFields:
         dataset = self._select(ranges, air_only=air_only)
         try:
             fields = read_fields(dataset, air_only=air_only)

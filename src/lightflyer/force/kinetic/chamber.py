@@ -9,7 +9,7 @@ same: the gas between disk and floor is warmer than that above. For small temper
 
 with :math:`F_o, Q_o` in open space and :math:`\theta = T_h/T_c - 1`. The solver's table of the
 factors is made by ``studies/kinetic_chamber``; ``studies/kinetic_fits`` fits polynomials in the
-inverse distances to it. For a hot disk :class:`Surroundings` keeps what the factors say of the
+inverse distances to it. For a hot disk :class:`ChamberEffect` keeps what the factors say of the
 gas's resistance.
 
 Push of a floor that is warmer than the rest of a chamber on a disk as warm as the gas.
@@ -61,7 +61,7 @@ OF_DIATOMIC = "what floor and lid do is taken from a diatomic gas"
 REFERENCE_TAC = 0.85  # Mean TAC in the table of chambers
 
 
-class Chamber(NamedTuple):
+class SurfaceDistances(NamedTuple):
     """Distances of solid surfaces in radii of the disk [1]; infinite where there is none."""
 
     floor: Numeric
@@ -69,13 +69,13 @@ class Chamber(NamedTuple):
     wall: Numeric
 
 
-def chamber_of(state: EnvironmentState, radius: Numeric) -> Chamber | None:
+def chamber_of(state: EnvironmentState, radius: Numeric) -> SurfaceDistances | None:
     """The chamber around a disk, or None without floor and lid; ``radius``: of the disk."""
     ends = state.floor_distance, state.lid_distance
     if ends == (None, None):
         return None
     distances = (*ends, state.wall_distance)
-    return Chamber(*(np.inf if given is None else given / radius for given in distances))
+    return SurfaceDistances(*(np.inf if given is None else given / radius for given in distances))
 
 
 FORCE_ERROR, HEAT_ERROR, PUSH_ERROR = 0.03, 0.015, 0.15
@@ -98,7 +98,7 @@ molecules take another share there than in open space."""
 _LEAST_RESISTANCE = 1e-12  # of free molecules; a share of nothing is any number
 
 
-class Surroundings(NamedTuple):
+class ChamberEffect(NamedTuple):
     r"""What a chamber does to a disk, by default nothing."""
 
     # The gas takes :math:`1/\hat F - 1` of the force that is left: what resists. Surroundings leave
@@ -135,7 +135,7 @@ def reservoir(
     opened: tuple[Numeric, Numeric],
     knudsen: Numeric,
     ratio: Numeric,
-) -> Surroundings:
+) -> ChamberEffect:
     """What open surroundings do, from the factors on force and heat of small differences."""
     # ``opened``: both over those of free molecules in open space, of small differences
     force, heat = (
@@ -144,7 +144,7 @@ def reservoir(
             factors, opened, (_HEATED_FORCE_POWER, _HEATED_HEAT_POWER), strict=True
         )
     )
-    return Surroundings(force, heat, 0.0, *RESERVOIR_ERRORS)
+    return ChamberEffect(force, heat, 0.0, *RESERVOIR_ERRORS)
 
 
 def resistance_ratio(opened: Numeric, kept: Numeric) -> Array:
@@ -172,7 +172,7 @@ class ChamberFit:
     # Of the table; beyond it the factors stay what they are there, and in denser gas the push falls
     # as the square of the Knudsen number
     knudsen_range: tuple[float, float]
-    nearest: Chamber  # Least distances in the table
+    nearest: SurfaceDistances  # Least distances in the table
     force: Any  # Coefficients of each term of inverse distances: powers of the Knudsen number
     kept: Any
     lift: Any
@@ -180,11 +180,11 @@ class ChamberFit:
     def walls(
         self,
         knudsen: Numeric,
-        chamber: Chamber,
+        chamber: SurfaceDistances,
         opened: tuple[Numeric, Numeric],
         tac: Numeric,
         ratio: Numeric = 1.0,
-    ) -> Surroundings:
+    ) -> ChamberEffect:
         """Effect on a disk; ``ratio``: T_h/T_c."""
         place, dense = thinness(knudsen, self.knudsen_range), denseness(knudsen)
         # thermal stress, which pushes like faces in dense gas, is of second order
@@ -202,9 +202,9 @@ class ChamberFit:
         lift = value(self.lift, terms(near, ODD, -1.0))
         lift = lift * (beyond * dense * tac / REFERENCE_TAC)
         heat_kept = _keep_hot(heat_kept, _HEATED_HEAT_POWER, knudsen, ratio)
-        return Surroundings(_keep(factor, force), heat_kept, lift, FORCE_ERROR, HEAT_ERROR)
+        return ChamberEffect(_keep(factor, force), heat_kept, lift, FORCE_ERROR, HEAT_ERROR)
 
-    def ranges(self, chamber: Chamber, knudsen: Numeric) -> Looks:
+    def ranges(self, chamber: SurfaceDistances, knudsen: Numeric) -> Looks:
         """Of the table: how near surfaces are, and how dense the gas."""
         yield Validity("the Knudsen number", self.knudsen_range[0], np.inf, _DENSE), knudsen
         names = ("the floor's", "the lid's", "the side wall's")
@@ -213,7 +213,7 @@ class ChamberFit:
             yield far, distance
 
 
-def nearness(chamber: Chamber, nearest: Chamber | None = None) -> tuple[Any, ...]:
+def nearness(chamber: SurfaceDistances, nearest: SurfaceDistances | None = None) -> tuple[Any, ...]:
     """1/(1 + distance) of floor, lid and side wall [1], no nearer than the nearest."""
     if nearest is None:
         return tuple(1.0 / (1.0 + np.asarray(distance)) for distance in chamber)

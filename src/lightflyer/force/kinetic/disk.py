@@ -19,7 +19,7 @@ from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.chamber import (
     OF_DIATOMIC,
     PUSH_ERROR,
-    Surroundings,
+    ChamberEffect,
     chamber_fit,
     chamber_of,
     push_of_floor,
@@ -128,7 +128,7 @@ class KineticDisk(AbstractWalled):
         knudsen: Numeric,
         place: tuple[Any, ...],
         state: EnvironmentState,
-        around: Surroundings,
+        around: ChamberEffect,
     ) -> Numeric:
         """Heat loss over that of free molecules, at Maxwell walls in a gas of the table [1]."""
         ratio = around.heat_ratio(fit.heat_ratio(knudsen, *place))
@@ -253,11 +253,11 @@ def _viscosity_exponents(gas: AbstractGas, temperature: Numeric) -> tuple[Array,
 
 def _around(
     fit: KineticFit, knudsen: Any, disk: Disk, state: EnvironmentState, excess: Numeric
-) -> Surroundings:
+) -> ChamberEffect:
     """What a chamber does to force and heat."""
     chamber = chamber_of(state, disk.radius)
     if chamber is None and state.wall_distance is None:
-        return Surroundings()
+        return ChamberEffect()
     faces = tacs_of(disk.film)
     opened = fit.force_ratio(knudsen, 1.0, *faces), fit.heat_ratio(knudsen, 1.0, *faces)
     if chamber is not None:

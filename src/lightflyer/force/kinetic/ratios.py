@@ -57,7 +57,7 @@ COLDEST = 0.1
 beyond which a heat balance may step."""
 
 
-class Place(NamedTuple):
+class FitPlace(NamedTuple):
     """A place in the table."""
 
     # Where the Knudsen number is among those of the linear and of the non-linear problem, from −1
@@ -80,7 +80,7 @@ class Resistance:
     # Coefficients of what the viscosity exponent adds, per unit of it: heating, Knudsen number
     exponent: Any
 
-    def __call__(self, place: Place, exponent_difference: Numeric | None) -> Array:
+    def __call__(self, place: FitPlace, exponent_difference: Numeric | None) -> Array:
         """Value at a place, for a viscosity exponent that differs from the table's."""
         heated = polynomial(self.heating, place.heating, place.tac_variable, place.hot_thinness)
         if exponent_difference is not None:
@@ -114,7 +114,7 @@ class Unlikeness:
     # Of hot faces that are unlike; beyond it what heating adds stays what it is there
     hot_knudsen_range: tuple[float, float]
 
-    def at(self, place: Place, knudsen: Numeric, tac_difference: Numeric) -> tuple[Array, Array]:
+    def at(self, place: FitPlace, knudsen: Numeric, tac_difference: Numeric) -> tuple[Array, Array]:
         """:math:`gw` and :math:`k` at a place."""
         where, tac = place.thinness, place.tac_variable
         hot = thinness(knudsen, self.hot_knudsen_range)
@@ -222,8 +222,8 @@ class KineticFit:
         beside = polynomial(self.force_wall, nearness, place)
         return like * xp.exp(nearness * beside * denseness(knudsen)), heat
 
-    def _place(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> Place:
-        return Place(
+    def _place(self, knudsen: Numeric, ratio: Numeric, tac: Numeric) -> FitPlace:
+        return FitPlace(
             thinness(knudsen, self.knudsen_range),
             thinness(knudsen, self.hot_knudsen_range),
             xp.minimum(knudsen / self.knudsen_range[0], 1.0),

@@ -83,7 +83,7 @@ _SLOPES = (-1.0, 1.0)  # of the logarithm of a resistance that are believed beyo
 
 
 @dataclass(frozen=True)
-class Resistance:
+class SandwichResistance:
     """Logarithm of the resistance that the gas adds, over its factor in thin gas."""
 
     inside: Any  # Coefficients: what it depends on, then the place in the table
@@ -104,9 +104,9 @@ class SandwichFit:
     tac_range: tuple[float, float]  # Of the table
     # Over open fraction (the force's over :math:`\beta/(1+\beta)`) and mean TAC; the heat's over
     # :math:`s\bar\alpha`
-    force: Resistance
-    tac_force: Resistance
-    heat: Resistance
+    force: SandwichResistance
+    tac_force: SandwichResistance
+    heat: SandwichResistance
     heat_difference: Any  # Coefficients: open fraction, mean TAC, place
     disk: KineticFit  # Of the disk without holes
     # Coefficients of what heat does to force, force by TACs, heat, and its difference: heating,

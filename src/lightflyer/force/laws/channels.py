@@ -264,7 +264,7 @@ def pumped_flux(
     return open_fraction * conductance * pressure_difference / most_probable_speed
 
 
-class Surroundings(NamedTuple):
+class GasAround(NamedTuple):
     r"""Heat that gas at the two faces of a wall gives to the gas far away."""
 
     # Over what free molecules would exchange with one face at complete accommodation, per
@@ -282,7 +282,7 @@ def gas_at_faces(
     exchange_one: Numeric,
     exchange_other: Numeric,
     passing: Numeric,
-    surroundings: Surroundings,
+    surroundings: GasAround,
 ) -> tuple[Array, Array]:
     r"""Temperature of the gas that comes to the two faces of a wall with channels [1]."""
     # .. math::

@@ -28,7 +28,7 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.transformations import stop_gradient
 from lightflyer.core.validity import Validity
-from lightflyer.force.laws.channels import Surroundings
+from lightflyer.force.laws.channels import GasAround
 
 _PATH = 2.0 / math.sqrt(math.pi)  # length over the mean free path, per δ of the length
 _CONDUCTION = 15.0 / (2.0 * math.sqrt(math.pi))
@@ -47,7 +47,7 @@ simulated disk without holes of [Schafer2025]_ times 0.82, by which the two diff
 15 %."""
 
 
-def disk_surroundings(rarefaction: Numeric, internal: Numeric = 1.0) -> Surroundings:
+def disk_surroundings(rarefaction: Numeric, internal: Numeric = 1.0) -> GasAround:
     r"""How gas around a thin disk takes heat from the gas near its faces."""
     # .. math::
     #     c_+ = \frac{15}{2\sqrt\pi\,\delta}\left[1 + \frac{0.34}{1 + \delta/1.6}\right], \qquad
@@ -57,7 +57,7 @@ def disk_surroundings(rarefaction: Numeric, internal: Numeric = 1.0) -> Surround
     # of the kinetic equation (:math:`c_+`) and to simulations of [Schafer2025]_ (:math:`c_-`).
     common = 1.0 + _COMMON_EXCESS / (1.0 + rarefaction / _COMMON_ONSET)
     edge = _DIFFERENCE_CONDUCTION * xp.log1p(rarefaction / _DIFFERENCE_ONSET)
-    return Surroundings(
+    return GasAround(
         internal * _CONDUCTION * common / rarefaction,
         internal * (_DIFFERENCE_FREE + edge) / rarefaction,
     )

@@ -27,7 +27,12 @@ from lightflyer.kinetic_theory.chamber.linear import NUMBER, ChamberSystem, Tota
 from lightflyer.kinetic_theory.disk import nonlinear_kernel
 from lightflyer.kinetic_theory.disk.cases import Resolution
 from lightflyer.kinetic_theory.disk.linear import FaceResult
-from lightflyer.kinetic_theory.disk.nonlinear import Problem, diffuse_emission, iterate, result_of
+from lightflyer.kinetic_theory.disk.nonlinear import (
+    FixedPoint,
+    diffuse_emission,
+    iterate,
+    result_of,
+)
 from lightflyer.kinetic_theory.disk.operators import (
     Quadrature,
     face_points,
@@ -39,7 +44,7 @@ from lightflyer.kinetic_theory.grid.mesh import Mesh, build_chamber_meshes
 from lightflyer.kinetic_theory.model_gases import GasModel
 
 if TYPE_CHECKING:
-    from lightflyer.kinetic_theory.chamber.linear import Layout
+    from lightflyer.kinetic_theory.chamber.linear import SystemLayout
 
 _SQRT_PI = np.sqrt(np.pi)
 _LARGEST_STEP = 0.5  # of pressures and temperatures, relative
@@ -225,7 +230,7 @@ class HotChamber:
             found, *arrivals[:] = self.evaluate(x)
             return found
 
-        problem = Problem(
+        problem = FixedPoint(
             missing,
             lambda missing: lu_solve(self.factors, missing, check_finite=False),
             self.precondition_about,
@@ -387,6 +392,6 @@ def solve_chamber_case(
     )
 
 
-def _fields(x: np.ndarray, layout: "Layout") -> np.ndarray:
+def _fields(x: np.ndarray, layout: "SystemLayout") -> np.ndarray:
     shape = layout.n, layout.fields
     return np.stack([x[layout.gas(half)].reshape(shape) for half in (0, 1)])

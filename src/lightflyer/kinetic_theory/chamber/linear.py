@@ -28,7 +28,7 @@ _UNIFORM = np.array([0.5 / _SQRT_PI, 0.25, 1.0 / _SQRT_PI])
 
 
 @dataclass(frozen=True)
-class Layout:
+class SystemLayout:
     """Places of the unknowns in their vector: n nodes, e of a face, w of a half's walls."""
 
     n: int
@@ -95,7 +95,9 @@ class ChamberSystem:
         self.face_theta = face_theta
         self.fields = 9 if gas.has_rotation else 6
         mesh = halves[0].mesh
-        self.layout = Layout(mesh.size, self.fields, mesh.eta.size, halves[0].walls.theta.size)
+        self.layout = SystemLayout(
+            mesh.size, self.fields, mesh.eta.size, halves[0].walls.theta.size
+        )
         self.weights = mesh.face_weights
 
     @property

@@ -189,13 +189,13 @@ def slip(operator: CollisionOperator) -> Slip:
     """Slip coefficients at a wall of complete diffuse reflection."""
     if operator.molecule.rotates:
         raise ParameterError("slip coefficients are for molecules without rotation")
-    layer = _Layer(operator)
+    layer = _WallLayer(operator)
     shear = layer.far_velocity(2, np.array([2.0]))
     creep = layer.far_velocity(1, np.array([-2.5, 1.0]))
     return Slip(shear, 2.0 * creep)
 
 
-class _Layer:
+class _WallLayer:
     """Discrete molecules, their paths, and the functions that vary as c_x along the wall."""
 
     def __init__(self, operator: CollisionOperator) -> None:

@@ -28,11 +28,18 @@ from lightflyer.kinetic_theory.collisions.operator import (
     CollisionOperator,
     Moments,
 )
-from lightflyer.kinetic_theory.disk.cases import COARSE, MEDIUM, Case, Outcome, Resolution, totals
+from lightflyer.kinetic_theory.disk.cases import (
+    COARSE,
+    MEDIUM,
+    Case,
+    DiskOutcome,
+    Resolution,
+    totals,
+)
 from lightflyer.kinetic_theory.disk.linear import (
     FaceResult,
+    FaceWalls,
     LinearSystem,
-    Walls,
     result_of_arriving,
     solve_by_gmres,
 )
@@ -199,9 +206,9 @@ class MolecularProblem:
         """Shape of the fields: half, node, moment."""
         return 2, self.mesh.size, self.components.size
 
-    def solve(self, walls: Walls) -> tuple[np.ndarray, int]:
+    def solve(self, walls: FaceWalls) -> tuple[np.ndarray, int]:
         """Moments of the upper and the mirrored lower half; returns ``fields``, ``iterations``."""
-        cold = Walls(walls.tac, (0.0, 0.0))
+        cold = FaceWalls(walls.tac, (0.0, 0.0))
         zero = np.zeros(self.size)
 
         def apply(vector: np.ndarray) -> np.ndarray:
@@ -227,7 +234,7 @@ class MolecularProblem:
         components = self.components
         return np.ascontiguousarray(fields @ components.mixing.T @ components.orthonormal)
 
-    def _evaluate(self, fields: np.ndarray, walls: Walls) -> np.ndarray:
+    def _evaluate(self, fields: np.ndarray, walls: FaceWalls) -> np.ndarray:
         """Moments that follow from given ones and the walls."""
         sources, result = self._sources(fields), np.empty(self.size)
         for face in (0, 1):
@@ -243,7 +250,7 @@ class MolecularProblem:
         arrival.evaluate(self.faces, True, *self.arguments, half, fluxes)
         return fluxes
 
-    def face_results(self, walls: Walls, fields: np.ndarray) -> list[FaceResult]:
+    def face_results(self, walls: FaceWalls, fields: np.ndarray) -> list[FaceResult]:
         """Pressure on the top and bottom face and heat flux out of them."""
         sources = self._sources(fields)
         return [
@@ -292,7 +299,9 @@ class MolecularProblem:
         functions = components.orthonormal @ components.weights[:, few]
         return functions @ np.linalg.inv(self._readings @ functions)
 
-    def _half(self, sources: np.ndarray, walls: Walls, face: int, arriving: np.ndarray) -> tuple:
+    def _half(
+        self, sources: np.ndarray, walls: FaceWalls, face: int, arriving: np.ndarray
+    ) -> tuple:
         tac = walls.tac[face]
         velocity = walls.velocity * (1.0 if face == 0 else -1.0)
         diffuse = self.model.diffuse_share(tac)
@@ -310,7 +319,7 @@ _COARSER = Resolution(3, 0.7, Quadrature(3, 3, 3))
 _THIN_DEPTH = 1.5  # Rarefaction δ below which the coarse mesh is right to 6·10⁻⁴ in force
 
 
-def solve_at_two_levels(case: Case, molecule: Molecule) -> tuple[Outcome, Outcome]:
+def solve_at_two_levels(case: Case, molecule: Molecule) -> tuple[DiskOutcome, DiskOutcome]:
     """Solve a linear case, and once more with a coarser mesh and fewer moments for the error."""
     fine, coarse = (COARSE, _COARSER) if case.rarefaction < _THIN_DEPTH else (MEDIUM, COARSE)
     coarser = solve_molecules(case, coarse, molecule, moments=FEWER_MOMENTS)
@@ -324,7 +333,7 @@ def solve_molecules(
     *,
     moments: Moments = MOMENTS,
     operators: Operators | None = None,
-) -> Outcome:
+) -> DiskOutcome:
     """Solve a linear case for molecules on one mesh."""
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     problem = MolecularProblem(
@@ -336,7 +345,7 @@ def solve_molecules(
         case.wall,
         operators,
     )
-    walls = Walls(case.tac, case.perturbation)
+    walls = FaceWalls(case.tac, case.perturbation)
     fields, iterations = problem.solve(walls)
     force, heat = totals(mesh, problem.face_results(walls, fields))
-    return Outcome(force, heat, problem.gas_fields(fields), iterations, mesh)
+    return DiskOutcome(force, heat, problem.gas_fields(fields), iterations, mesh)

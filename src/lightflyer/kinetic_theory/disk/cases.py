@@ -16,8 +16,8 @@ import numpy as np
 from scipy.linalg import lu_solve
 
 from lightflyer.core.errors import ConvergenceError
-from lightflyer.kinetic_theory.disk.linear import FaceResult, LinearSystem, Walls, face_result
-from lightflyer.kinetic_theory.disk.nonlinear import HotDisk, NonlinearProblem, Problem, iterate
+from lightflyer.kinetic_theory.disk.linear import FaceResult, FaceWalls, LinearSystem, face_result
+from lightflyer.kinetic_theory.disk.nonlinear import FixedPoint, HotDisk, NonlinearProblem, iterate
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble, kernel_arguments
 from lightflyer.kinetic_theory.disk.scattering import (
     Scattering,
@@ -116,7 +116,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class DiskOutcome:
     """A solved case on one mesh."""
 
     force: float  # Upwards [p·A]
@@ -132,7 +132,7 @@ def solve_case(
     resolution: Resolution,
     *,
     start: np.ndarray | None = None,
-) -> Outcome:
+) -> DiskOutcome:
     """Solve a case on one mesh."""
     mesh = resolution.mesh(case.rarefaction, case.boundary)
     operators = assemble(mesh, case.rarefaction, resolution.quadrature)
@@ -147,7 +147,7 @@ def solve_case(
         return _outcome(mesh, fields, faces, 1)
     mean = 0.5 * sum(case.tac)
     system = LinearSystem(operators, case.gas, mean, case.open_fraction, case.wall)
-    walls = Walls(case.tac, case.perturbation, open_fraction=case.open_fraction)
+    walls = FaceWalls(case.tac, case.perturbation, open_fraction=case.open_fraction)
     if case.linear:
         fields, iterations = system.solve(walls)
         faces = [face_result(system, walls, fields[face], face) for face in (0, 1)]
@@ -161,11 +161,13 @@ def solve_case(
     return _outcome(mesh, fields, faces, iterations)
 
 
-def _outcome(mesh: Mesh, fields: np.ndarray, faces: list[FaceResult], iterations: int) -> Outcome:
+def _outcome(
+    mesh: Mesh, fields: np.ndarray, faces: list[FaceResult], iterations: int
+) -> DiskOutcome:
     force, heat = totals(mesh, faces)
     if not np.isfinite(force):
         raise ConvergenceError("the kinetic equation gave no finite force")
-    return Outcome(force, heat, fields, iterations, mesh)
+    return DiskOutcome(force, heat, fields, iterations, mesh)
 
 
 def totals(mesh: Mesh, faces: list[FaceResult]) -> tuple[float, tuple[float, float]]:
@@ -203,7 +205,7 @@ def _sample(points, halves, upper, lower, values):
             values[p, 5] *= -1.0
 
 
-def sample(outcome: Outcome, radius: Any, height: Any) -> dict[str, np.ndarray]:
+def sample(outcome: DiskOutcome, radius: Any, height: Any) -> dict[str, np.ndarray]:
     """Fields at points, by the solver's own interpolation; ``radius``, ``height`` [disk radii]."""
     meshes = outcome.mesh, outcome.mesh
     return sample_halves(meshes, outcome.fields, np.asarray(radius), np.asarray(height))
@@ -239,7 +241,7 @@ def hot_disk_drag(
     for ratio in ratios:
         problem = NonlinearProblem(system, rarefaction, resolution.quadrature)
         disk = HotDisk((tac, tac), (ratio, ratio))
-        start = system.solve(Walls(disk.tac, (ratio - 1.0, ratio - 1.0)))[0]
+        start = system.solve(FaceWalls(disk.tac, (ratio - 1.0, ratio - 1.0)))[0]
         fields, _ = problem.solve(disk, start, _TOLERANCE)
         problem.precondition_about(fields, disk)
         found.append(_stream_drag(problem, disk, fields[0]))
@@ -276,7 +278,7 @@ def _stream_drag(problem: NonlinearProblem, disk: HotDisk, around: np.ndarray) -
         odd = lu_solve(problem.factors[1], residual.ravel(), check_finite=False)
         return odd.reshape(residual.shape)
 
-    steps = Problem(missing, precondition, lambda _: None, lambda _, new: new)
+    steps = FixedPoint(missing, precondition, lambda _: None, lambda _, new: new)
     change, step, _ = iterate(steps, np.zeros_like(around), _TOLERANCE, problem.rarefaction)
     pressed = problem.face_result(halves(change + step), 0, streaming).pressure - at_rest.pressure
     return float(-2.0 * mesh.face_weights @ pressed / _SPEED)

@@ -19,7 +19,7 @@ _MOST_ITERATIONS = 200
 
 
 @dataclass(frozen=True)
-class Walls:
+class FaceWalls:
     """The two faces, in pairs top, bottom; temperatures and velocity are perturbations."""
 
     # TACs are those of the solid part; the share ``open_fraction`` of the molecules that arrive at
@@ -190,7 +190,7 @@ class LinearSystem(FieldEquations):
         emitted[:, :6] += diffuse * _SQRT_PI * velocity * operators.sigma.sum(axis=1)
         return emitted.ravel()
 
-    def solve(self, walls: Walls) -> tuple[np.ndarray, int]:
+    def solve(self, walls: FaceWalls) -> tuple[np.ndarray, int]:
         """Fields of the upper and the mirrored lower half; returns ``fields``, ``iterations``."""
         top, bottom = walls.tac
         mean, half = 0.5 * (top + bottom), 0.5 * walls.solid * (top - bottom)
@@ -310,13 +310,15 @@ class FaceResult:
     heat: np.ndarray
 
 
-def face_result(system: LinearSystem, walls: Walls, fields: np.ndarray, face: int) -> FaceResult:
+def face_result(
+    system: LinearSystem, walls: FaceWalls, fields: np.ndarray, face: int
+) -> FaceResult:
     """Normal pressure on a face and heat flux out of it; ``fields`` (n, fields)."""
     return result_of_arriving(system, walls, system.arriving_fluxes(fields), face)
 
 
 def result_of_arriving(
-    system: LinearSystem, walls: Walls, arriving: np.ndarray, face: int
+    system: LinearSystem, walls: FaceWalls, arriving: np.ndarray, face: int
 ) -> FaceResult:
     """Normal pressure and heat flux, as :func:`face_result`, from fluxes that arrive at a face."""
     tac, diffuse = walls.tac[face], system.diffuse_share(walls.tac[face])

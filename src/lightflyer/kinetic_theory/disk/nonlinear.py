@@ -32,7 +32,7 @@ _RENEWED = 0.03  # residual below which the preconditioner is renewed, once
 _THIN_GAS = 1.0  # δ up to which the linear problem's factors precondition as well
 
 
-class Problem(NamedTuple):
+class FixedPoint(NamedTuple):
     """A state of the gas is looked for of which nothing is missing."""
 
     # What follows from a state, less that state; of its shape
@@ -45,7 +45,7 @@ class Problem(NamedTuple):
 
 
 def iterate(
-    problem: Problem, start: np.ndarray, tolerance: float, rarefaction: float
+    problem: FixedPoint, start: np.ndarray, tolerance: float, rarefaction: float
 ) -> tuple[np.ndarray, np.ndarray, int]:
     """Iterate until nothing is missing; returns ``state``, ``step``, ``iterations``."""
     renewable = rarefaction > _THIN_GAS
@@ -246,7 +246,7 @@ class NonlinearProblem:
         tolerance: float,
     ) -> tuple[np.ndarray, int]:
         """Iterate to a fixed point; returns ``fields`` (2, n, fields), ``iterations``."""
-        problem = Problem(
+        problem = FixedPoint(
             lambda fields: self.evaluate(fields, disk) - fields,
             self._precondition,
             lambda fields: self.precondition_about(fields, disk),

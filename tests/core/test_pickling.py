@@ -13,7 +13,7 @@ import pytest
 from lightflyer.array.records import AbstractVar, Module, field
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.pickling import dumps
+from lightflyer.core.extras import dumps
 from lightflyer.core.quantity import Checked, Length
 
 FACTOR = 3.0
@@ -61,7 +61,7 @@ class Square(Base):
 CODE = """
 import pickle, sys
 import jax, numpy as np
-from lightflyer.core.pickling import dumps
+from lightflyer.core.extras import dumps
 square, again, kind = pickle.load(open(sys.argv[1], "rb"))
 assert square.describe() == "square of 4 m, True" and square.names == ("square",)
 assert type(square) is type(again) is kind

@@ -110,9 +110,13 @@ class Report:
         words: list[Table | str] = list(
             takewhile(lambda thing: isinstance(thing, str), self._results)
         )
-        if not words and self._results and _is_labelled(self._results[0]):
+        first = next(iter(self._results), None)
+        # a table of numbers with their names, and no heading
+        if not words and isinstance(first, Table) and not first.show_header:
             words = self._results[:1]
-        told = sorted(words, key=_is_warning)  # what was found comes first
+        told = sorted(
+            words, key=lambda one: isinstance(one, str) and one.startswith(_WARNING)
+        )  # what was found comes first
         parts = [page.heading(title, 1), page.verdict(_results(told)), *self._figures]
         parts += [page.heading("Numbers")] if self._results[len(words) :] else []
         parts += _results(self._results[len(words) :])
@@ -224,15 +228,6 @@ def _results(things: Sequence[Table | str]) -> Iterator[str]:
             yield from _flush(labelled)
             yield _table(thing)
     yield from _flush(labelled)
-
-
-def _is_warning(thing: Table | str) -> bool:
-    return isinstance(thing, str) and thing.startswith(_WARNING)
-
-
-def _is_labelled(thing: Table | str) -> bool:
-    """Whether it is a table of numbers with their names, and no heading."""
-    return isinstance(thing, Table) and not thing.show_header
 
 
 def _flush(labelled: list[tuple[str, str]]) -> Iterator[str]:

@@ -18,8 +18,7 @@ from lightflyer.array.namespace import has_jax, load_jax
 from lightflyer.compute.evaluation import Chunks
 from lightflyer.compute.store import Record, stored_study, versions, write_chunk
 from lightflyer.core.errors import ConfigurationError, LightflyerError
-from lightflyer.core.extras import extra
-from lightflyer.core.pickling import dumps
+from lightflyer.core.extras import dumps, extra
 
 ANSWER_WITHIN = 10.0  # Time within which a scheduler must answer [s]
 

@@ -229,15 +229,13 @@ def _public(function: Callable[P, R], *, elementwise: bool) -> Callable[P, R]:
                 result = compute(leaves)
             else:
                 result = _in_pieces(compute, leaves, shape)
-            result = tree.map_leaves(_plain, result)
+            result = tree.map_leaves(
+                lambda leaf: leaf if isinstance(leaf, str) else np.asarray(leaf)[()], result
+            )
         return labels(result)
 
     wrapper.is_entry_point = True  # type: ignore[attr-defined]
     return wrapper
-
-
-def _plain(leaf: Any) -> Any:
-    return leaf if isinstance(leaf, str) else np.asarray(leaf)[()]
 
 
 # --- by JAX ---

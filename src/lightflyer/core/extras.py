@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.metadata
+import pickle
 import sys
 import warnings
 from functools import cache
@@ -80,3 +81,13 @@ def load_plugin(entry: importlib.metadata.EntryPoint) -> Any:
             PluginWarning,
             stacklevel=2,
         )
+
+
+def dumps(value: Any) -> bytes:
+    """Pickle an object; :func:`pickle.loads` reads it wherever lightflyer is installed."""
+    try:
+        import cloudpickle
+    except ImportError:
+        return pickle.dumps(value)
+    found: bytes = cloudpickle.dumps(value)
+    return found

@@ -24,7 +24,7 @@ from lightflyer.array import tree
 from lightflyer.array.namespace import Numeric
 from lightflyer.array.records import Module
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.core.pickling import dumps
+from lightflyer.core.extras import dumps
 from lightflyer.core.quantity import Correlation, Quantity, quantities_of, quantity_of, shapes_in
 from lightflyer.core.units import Measured, dataset_unit
 from lightflyer.design.setup import Setup

@@ -154,7 +154,8 @@ class KineticSandwich(AbstractWalled):
             (Validity("the difference of the outer TACs", -_APART, _APART, _DIFFERENCE),
              flyer.bottom.tac_bottom - flyer.top.tac_top),
             (Validity("open_fraction", 0.0, HIGHEST_OPEN_FRACTION, _OPEN), flyer.open_fraction),
-            (_held_heating(fit),
+            (Validity("what heat does to force or heat loss outside its table, rarefactions "
+                      "{:g} to {:g},".format(*fit.hot_range), 0.0, _LITTLE, _HELD),
              _effect_of_heating(flyer, state, xp.asarray(temperature), passed)),
         ]  # fmt: skip
         if state.wall_distance is not None:
@@ -177,14 +178,6 @@ class KineticSandwich(AbstractWalled):
             *sandwich_remarks(flyer, self.transmission),
             *(("floor and lid have no effect: their table is for a disk",) if solid else ()),
         )
-
-
-def _held_heating(fit: SandwichFit) -> Validity:
-    low, high = fit.hot_range
-    name = (
-        f"what heat does to force or heat loss outside its table, rarefactions {low:g} to {high:g},"
-    )
-    return Validity(name, 0.0, _LITTLE, _HELD)
 
 
 @entry_point

@@ -79,15 +79,14 @@ def _wall_heat(
     # the cells between the channels are as far apart as the channels take less than the wall
     cell = flyer.channel_width * flyer.solid_fraction / flyer.open_fraction
     return _WallHeat(
-        conductance(closed, accommodation_between(facing, _passing(thickness / cell))),
+        conductance(
+            closed, accommodation_between(facing, slot_transmission(thickness / cell).through)
+        ),
         # molecules come to the mouths of the channels from the gas
-        conductance(flyer.open_fraction, _passing(thickness / flyer.channel_width)),
+        conductance(
+            flyer.open_fraction, slot_transmission(thickness / flyer.channel_width).through
+        ),
     )
-
-
-def _passing(length: Numeric) -> Array:
-    """Share of free molecules that pass a slot with walls that keep no heat [1]."""
-    return slot_transmission(length).through
 
 
 def pump_heat(

@@ -105,10 +105,6 @@ class Exchange(NamedTuple):
     bottom: Array
     passing: Array  # Share that passes the plate as warm as it came [1]
 
-    def reflected_share(self, face: Array) -> Array:
-        """Share that leaves a face as warm as it came [1]."""
-        return 1.0 - face - self.passing
-
 
 class ThroughFlow(NamedTuple):
     """Flow through a plate."""
@@ -220,7 +216,7 @@ class ChannelPump(AbstractForceModel):
             _growth, (*unknowns, plate.gas_top, plate.gas_bottom)
         )
         leaving_top, leaving_bottom = (
-            face * own + exchange.reflected_share(face) * near + exchange.passing * far
+            face * own + (1.0 - face - exchange.passing) * near + exchange.passing * far
             for face, own, near, far in (
                 (exchange.top, top, gas_top, gas_bottom),
                 (exchange.bottom, bottom, gas_bottom, gas_top),

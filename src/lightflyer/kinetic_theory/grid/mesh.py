@@ -85,15 +85,12 @@ class Mesh:
     @cached_property
     def eta(self) -> np.ndarray:
         """Nodes in η, shape (e,)."""
-        return self._join_panels(self.eta_edges[:-1, None] + self._eta_widths * self.eta_nodes)
+        by_panel = self.eta_edges[:-1, None] + self._eta_widths * self.eta_nodes
+        return np.concatenate([by_panel[0], by_panel[1:, 1:].ravel()])  # shared nodes once
 
     @property
     def _eta_widths(self) -> np.ndarray:
         return np.diff(self.eta_edges)[:, None]
-
-    def _join_panels(self, by_panel: np.ndarray) -> np.ndarray:
-        """Values at all nodes from those of each panel, shared nodes once."""
-        return np.concatenate([by_panel[0], by_panel[1:, 1:].ravel()])
 
     @cached_property
     def face_weights(self) -> np.ndarray:

@@ -84,7 +84,7 @@ def load_plugin(entry: importlib.metadata.EntryPoint) -> Any:
 
 
 def dumps(value: Any) -> bytes:
-    """Pickle an object; :func:`pickle.loads` reads it wherever lightflyer is installed."""
+    """Pickle an object, of a script or notebook too; :func:`pickle.loads` reads it elsewhere."""
     try:
         import cloudpickle
     except ImportError:

@@ -97,21 +97,10 @@ class PumpFlow(NamedTuple):
     exchange: Array
 
 
-class _Areas(NamedTuple):
-    wall: Numeric
-    outlet: Numeric
-
-
-def _areas(flyer: HollowBody, corrections: Corrections) -> _Areas:
+def _areas(flyer: HollowBody, corrections: Corrections) -> tuple[Numeric, Numeric]:
+    """Of wall and outlet [m²]."""
     rounded = 1.0 if corrections.gas_properties else published.PI / np.pi
-    return _Areas(rounded * flyer.surface, rounded * flyer.outlet_area)
-
-
-class _Channels(NamedTuple):
-    """Flow per area of the wall, conductance × (stopping pressure − pressure difference)."""
-
-    conductance: Array  # [kg/(m² s Pa)]
-    stopping: Array  # [Pa]
+    return rounded * flyer.surface, rounded * flyer.outlet_area
 
 
 def _channels(
@@ -119,7 +108,9 @@ def _channels(
     state: EnvironmentState,
     unknowns: tuple[Array, ...],
     corrections: Corrections,
-) -> _Channels:
+) -> tuple[Array, Array]:
+    """Conductance [kg/(m² s Pa)] and stopping pressure [Pa] of an area of the wall."""
+    # the flow is conductance × (stopping pressure − pressure difference)
     inner, outer = unknowns
     mean = mean_temperature(state, unknowns)
     constant, viscosity, at = _transport(state, mean, corrections)
@@ -145,7 +136,7 @@ def _channels(
         conductance = coefficients.poiseuille / length
         relative = (inner - outer) / (1.0 + 0.5 * (inner + outer))
         stopping = exponent * state.pressure * relative
-    return _Channels(flyer.open_fraction * conductance / speed, stopping)
+    return flyer.open_fraction * conductance / speed, stopping
 
 
 def mean_temperature(state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
@@ -204,8 +195,8 @@ def pump_flow(
 ) -> PumpFlow:
     """Flow through a hollow body whose films have given temperatures; of broadcast shape."""
     inner, _ = unknowns
-    areas = _areas(flyer, corrections)
-    channels = _channels(flyer, state, unknowns, corrections)
+    wall, outlet = _areas(flyer, corrections)
+    conductance, stopping = _channels(flyer, state, unknowns, corrections)
     density = (
         state.gas.density(state.pressure, state.temperature)
         if corrections.gas_properties
@@ -215,15 +206,15 @@ def pump_flow(
     resistance, held = _outlet(flyer, state, inner, jet_density, corrections)
     resistance = errors.outlet * resistance
     lifted = _thermal_overpressure(flyer, state, density, inner, corrections)
-    ratio = areas.outlet / areas.wall
-    slope = resistance + jet_density * ratio / channels.conductance
+    ratio = outlet / wall
+    slope = resistance + jet_density * ratio / conductance
     kinetic = 0.5 * jet_density * (1.0 - ratio**2)
     # the outlet is half of the height below the middle of the wall
-    drive = errors.wall * (channels.stopping - held) - lifted
+    drive = errors.wall * (stopping - held) - lifted
     velocity = _quadratic_root(kinetic, slope, drive)
     pressure = kinetic * velocity * xp.abs(velocity) + resistance * velocity + held + lifted
     wall_velocity = jet_density / density * ratio * velocity
-    exchange = areas.wall * _exchange(density * wall_velocity, channels.conductance * lifted)
+    exchange = wall * _exchange(density * wall_velocity, conductance * lifted)
     return PumpFlow(velocity, wall_velocity, pressure, jet_density, exchange)
 
 
@@ -313,12 +304,12 @@ def pump_force(
     # area, that of the outlet.
     inner, outer = unknowns
     flow = pump_flow(flyer, state, unknowns, corrections, errors)
-    areas = _areas(flyer, corrections)
+    _, outlet = _areas(flyer, corrections)
     coefficients = published.FORM_COEFFICIENTS[flyer.form]
     cold = state.temperature
     constant, viscosity, _ = _transport(state, cold, corrections)
     drag = coefficients.drag * 8.0 * flyer.size * viscosity * flow.wall_velocity
-    jet = coefficients.jet * flow.jet_density * areas.outlet
+    jet = coefficients.jet * flow.jet_density * outlet
     jet = jet * flow.jet_velocity * xp.maximum(flow.jet_velocity, 0.0)
     if not corrections.rarefied_force:
         return errors.force * (drag + jet)
@@ -326,7 +317,7 @@ def pump_force(
     drag = drag / (1.0 + _RAREFIED_DRAG / (0.5 * flyer.size * per_length))
     exponent = _outlet_exponent(flyer, state, corrections)
     roots = xp.sqrt(1.0 + inner) + xp.sqrt(1.0 + outer)
-    recoil = state.pressure * areas.outlet * flyer.solid_fraction * (inner - outer) / roots
+    recoil = state.pressure * outlet * flyer.solid_fraction * (inner - outer) / roots
     # half of it times the exponent over its value to free molecules, which is one half
     return errors.force * (drag + jet) + exponent * recoil
 

@@ -141,7 +141,7 @@ class FigureOptions:
         if not low <= self.dpi <= high:
             raise ParameterError(f"--dpi = {self.dpi}: must be from {low} to {high}")
         if self.style is not None:
-            require_style(self.style, "--style ")
+            require_style(self.style)
 
     @property
     def endings(self) -> list[str]:

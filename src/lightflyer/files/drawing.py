@@ -57,14 +57,14 @@ def series_style(number: int) -> dict[str, Any]:
     return {"color": PALETTE[number % len(PALETTE)], "marker": MARKERS[number % len(MARKERS)]}
 
 
-def require_style(style: str, prefix: str = "") -> None:
+def require_style(style: str) -> None:
     """Raise unless Matplotlib knows a style sheet; ``style``: name or path."""
     try:
         with use_style(style):
             pass
     except (OSError, ValueError):
         raise ParameterError(
-            f'{prefix}"{style}": is neither "column", nor a style of Matplotlib, such as '
+            f'--style "{style}": is neither "column", nor a style of Matplotlib, such as '
             '"grayscale", nor a style sheet, such as "journal.mplstyle"'
         ) from None
 
@@ -192,12 +192,12 @@ def wrap_label(label: str, width: int = 28) -> str:
     return "\n".join(textwrap.wrap(label, width))
 
 
-def hatch(ax: Axes, low: float, high: float, label: str = TOO_HOT) -> None:
-    """Hatch a range of the axis along which something is impossible; one entry in the legend."""
-    named = label in ax.get_legend_handles_labels()[1]
+def hatch(ax: Axes, low: float, high: float) -> None:
+    """Hatch a range of the axis where a film is too hot; one entry in the legend."""
+    named = TOO_HOT in ax.get_legend_handles_labels()[1]
     ax.axvspan(
         low, high, facecolor="none", edgecolor=LIMIT, hatch="///", alpha=0.35, lw=0.0,
-        label=None if named else label,
+        label=None if named else TOO_HOT,
     )  # fmt: skip
 
 
@@ -269,10 +269,10 @@ def shared_legend(
         legend.remove()
 
 
-def fade(ax: Axes, low: float, high: float, label: str = EXTRAPOLATED) -> None:
+def fade(ax: Axes, low: float, high: float) -> None:
     """Fade what is drawn in a range of the axis along which a model is outside its range."""
-    named = label in ax.get_legend_handles_labels()[1]
+    named = EXTRAPOLATED in ax.get_legend_handles_labels()[1]
     ax.axvspan(
         low, high, facecolor="white", edgecolor=OUTSIDE, alpha=0.65, lw=0.5, zorder=2.5,
-        label=None if named else label,
+        label=None if named else EXTRAPOLATED,
     )  # fmt: skip

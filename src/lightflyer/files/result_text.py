@@ -95,20 +95,20 @@ def wrap(line: str, width: int = NARROW) -> str:
     return "\n".join(lines)
 
 
-def wrap_all(text: str, width: int = NARROW) -> str:
+def wrap_all(text: str) -> str:
     """A text of lines, of which none is wider but for a long word and commands to be copied."""
     return "\n".join(
-        line if len(line) <= width or line.startswith("next: ") else wrap(line, width)
+        line if len(line) <= NARROW or line.startswith("next: ") else wrap(line)
         for line in text.split("\n")
     )
 
 
-def unwrap(text: str, width: int = NARROW) -> list[str]:
+def unwrap(text: str) -> list[str]:
     """Lines of a text, with those whole again that :func:`wrap` broke."""
     lines: list[str] = []
     for line in text.splitlines():
         word = _BETWEEN_WORDS.split(line, maxsplit=1)[0]
-        if word and lines and len(lines[-1].rpartition("\n")[2]) + len(word) >= width:
+        if word and lines and len(lines[-1].rpartition("\n")[2]) + len(word) >= NARROW:
             lines[-1] += f"\n{line}"
         else:
             lines.append(line)

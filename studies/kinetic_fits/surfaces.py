@@ -163,7 +163,7 @@ def fit_chamber(table: Columns) -> ChamberFit:
     knudsen, opened = table["knudsen"], table["open_heat_ratio"]
     ends = ends_of(knudsen)
     place, dense = place_in(ends, knudsen), denseness(knudsen)
-    near = chamber.nearness(chamber.Chamber(table["floor"], table["lid"], table["wall"]))
+    near = chamber.nearness(chamber.SurfaceDistances(table["floor"], table["lid"], table["wall"]))
     heat = table["heat_factor"]
     kept = (1.0 / heat - opened) / (1.0 - opened)
 
@@ -178,7 +178,7 @@ def fit_chamber(table: Columns) -> ChamberFit:
     nearest = float(min(table["floor"].min(), table["lid"].min()))
     return ChamberFit(
         ends,
-        chamber.Chamber(nearest, nearest, float(table["wall"].min())),
+        chamber.SurfaceDistances(nearest, nearest, float(table["wall"].min())),
         fit(force, even, dense, _MANY),
         fit(np.log(kept), even, 1.0 - opened, _MANY),
         fit(table["lift"] / dense, odd, dense / table["force"], _FEW),

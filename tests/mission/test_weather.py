@@ -58,14 +58,14 @@ def both(path, monkeypatch):
 
     def fly_both(**given):
         whole = fly(path, **given)
-        windows, read = [], store.Store._read
+        windows, read = [], store.WindStore._read
 
         def watched(self, tabulate):
             windows.append([len(nodes) for nodes in self._window])
             read(self, tabulate)
 
         monkeypatch.setattr(store, "KEPT", 3000)
-        monkeypatch.setattr(store.Store, "_read", watched)
+        monkeypatch.setattr(store.WindStore, "_read", watched)
         parts = fly(path, **given)
         assert np.prod(windows[-1]) < 0.1 * 13 * 73 * 144
         return whole, parts

@@ -10,7 +10,6 @@ from kinetic_fits import surfaces
 import lightflyer as lf
 from lightflyer.design.setup import Setup
 from lightflyer.files.table import shipped_table
-from lightflyer.force.kinetic import walls
 from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.ratios import kinetic_fit
 from lightflyer.force.kinetic.walls import sharing_factor, wall_fit
@@ -263,7 +262,7 @@ def test_weights_of_accommodation_follow_the_table(gas):
         shown = {name: column[~hidden] for name, column in table.items()}
         fits.append(surfaces.fit_scattering(shown, accommodated[~hidden]))
         for fit, rows in zip(fits, (~hidden, hidden), strict=True):
-            means = walls.Accommodations(*(table[name][rows] for name in KINDS))
+            means = kinetic_walls.Accommodations(*(table[name][rows] for name in KINDS))
             weights = fit.weights(table["knudsen"][rows], means)
             for kind, weight in zip(KINDS, weights, strict=True):
                 misfit = np.asarray(weight) - (table[f"force_{kind}"] / accommodated)[rows]
@@ -272,7 +271,10 @@ def test_weights_of_accommodation_follow_the_table(gas):
 
 
 def test_only_normal_motion_pushes_without_collisions():
-    faces = (walls.Accommodations(0.4, 0.9, 0.6), walls.Accommodations(0.7, 0.7, 0.8))
+    faces = (
+        kinetic_walls.Accommodations(0.4, 0.9, 0.6),
+        kinetic_walls.Accommodations(0.7, 0.7, 0.8),
+    )
     thin, dense = (
         np.ravel(kinetic_walls.scattering_fit().effective(knudsen, faces)) for knudsen in (1e6, 0.1)
     )
@@ -319,7 +321,10 @@ def test_direct_simulations_lie_within_the_stated_error(direct_simulation, monke
         normal = np.array([point.tac_top, point.tac_bottom])
         along = np.array(point.tangential or normal)
         tacs = (2.0 * normal + along) / 3.0 if rotates else 0.5 * (normal + along)
-        faces = [walls.Accommodations(*kinds) for kinds in zip(normal, along, normal, strict=True)]
+        faces = [
+            kinetic_walls.Accommodations(*kinds)
+            for kinds in zip(normal, along, normal, strict=True)
+        ]
         fit = kinetic_walls.scattering_fit("diatomic" if rotates else "monatomic")
         effective = fit.effective(point.knudsen, tuple(faces))
         monkeypatch.setattr(kinetic_walls, "effective_tacs", lambda *_, e=effective: e)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.environment.atmosphere import earth
+from lightflyer.environment.atmosphere.earth import _INVERSE_TEMPERATURE
 from lightflyer.force import PRINTED, REPORTED
 
 TOLERANCE = 1e-5
@@ -92,7 +92,7 @@ PRINTED_COEFFICIENTS = [
 
 
 def test_coefficients_of_the_atmosphere_round_to_the_printed_ones():
-    rounded = [float(f"{full:.2e}") for full in reversed(earth._INVERSE_TEMPERATURE)]
+    rounded = [float(f"{full:.2e}") for full in reversed(_INVERSE_TEMPERATURE)]
     assert rounded == PRINTED_COEFFICIENTS
     # three digits are not enough above 20 km
     inverse = np.polyval(PRINTED_COEFFICIENTS, [25.0, 70.0])

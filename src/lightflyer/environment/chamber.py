@@ -155,8 +155,8 @@ class Chamber(AbstractEnvironment):
         gas enters through all of it.
     floor_temperature : array or None
         Where it is not that of lid and side wall [K]. It needs the floor's distance, and that of
-        lid or walls. The gas then has the temperature at the flyer's place,
-        :mod:`lightflyer.environment.chamber`, and the floor radiates as a black one.
+        lid or walls. The gas then has the temperature at the flyer's place, by the equations in
+        the head of this module, and the floor radiates as a black one.
 
     Notes
     -----

@@ -17,7 +17,7 @@ motion and rotation. If the last two differ by :math:`(1-s)\,\Delta\alpha`, the 
 
 .. math:: F\,(1+s\,g_s),\qquad g_s = \frac{\sum_k (w_n-w_k)}{w_n+\sum_k w_k}
 
-with the weights of :mod:`lightflyer.force.kinetic.walls`; in thin gas :math:`g_s` is 2, or 1
+with the weights :math:`w` below; in thin gas :math:`g_s` is 2, or 1
 of a monatomic gas. Unknown walls have :math:`s` from :math:`-a/(n-a)` to 1. At 1 tangential motion
 and rotation accommodate wholly, and normal motion in :math:`\alpha_n = n\bar\alpha-n+1`: the
 weights are those there, and :math:`1+g_s` is larger by

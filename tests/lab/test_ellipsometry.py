@@ -9,7 +9,8 @@ import lightflyer as lf
 from lightflyer.film.optics.transfer_matrix import Structure, ellipsometric_angles
 from lightflyer.lab.optics.data import FilmSpectrum, read_sample
 from lightflyer.lab.optics.fit import fit_optics
-from lightflyer.lab.optics.model import OpticalModel
+from lightflyer.lab.optics.model import FilmProblem, OpticalModel
+from lightflyer.lab.optics.search import search
 from lightflyer.numerics.residuals import correlation_length
 
 tmm = pytest.importorskip("tmm")
@@ -122,13 +123,34 @@ def test_an_incidence_must_be_known(tmp_path, rng):
         read_sample(tmp_path / "sample.toml")
 
 
-def test_three_ordinates_of_two_angles_tell_as_much_as_two(tmp_path, rng):
-    """N, C and S follow from Ψ and Δ: each has two thirds of its points."""
-    write_sample(tmp_path, rng)
-    fit = fit_optics(read_sample(tmp_path / "sample.toml"), starts=1)
-    for one in fit.spectra:
-        length = correlation_length(one.residual)[0]
-        assert one.scatter.independent == pytest.approx(one.residual.size / (1.5 * length))
+@pytest.mark.parametrize("noise", [(0.05, 0.0), (0.0, 0.05), (0.05, 0.05)])
+def test_errors_of_psi_and_delta_add_up_over_their_ordinates(tmp_path, rng, noise):
+    """To first order: variance of the thickness by N, C and S together over that by each alone."""
+    write_sample(tmp_path, rng, np.array(noise))
+    path = tmp_path / "sample.toml"  # whose index is right, and no number to be fitted
+    lines = SAMPLE.replace("a = 1.6,", f"a = {A + 0.25},").splitlines(keepends=True)
+    path.write_text("".join(lines[:2] + lines[3:]).replace("0.05 %", "0.0001 %"), encoding="utf-8")
+    fit = search(FilmProblem.of(read_sample(path)), starts=1)
+    problem, best = fit.problem, fit.best
+    jacobian = problem.jacobian(np.concatenate([best.position, best.errors.ravel()]))
+    moves = np.linalg.solve(jacobian.T @ jacobian, jacobian.T)[0, :300].reshape(2, 3, 50)
+    found = problem.common_errors(best).reshape(2, 3)
+    spread = np.reshape(problem.spread, (2, 3, 1))
+    readings = np.reshape([one.spectrum.value for one in problem.spectra], (2, 3, 50))
+    for angle, (n, c, s) in enumerate(readings):
+        sine = np.hypot(c, s)  # of 2 Ψ
+        by_psi, by_delta = (-2.0 * sine, 2.0 * n * c / sine, 2.0 * n * s / sine), (0.0 * n, -s, c)
+        slopes = np.multiply(noise, np.transpose([by_psi, by_delta]))  # (points, ordinates, errors)
+        moved = (moves[angle] / spread[angle]).T[..., None] * slopes
+        expected = max(1.0, np.sum(np.sum(moved, axis=1) ** 2) / np.sum(moved**2))
+        assert found[angle] == pytest.approx(expected, rel=0.15)
+    residuals = [
+        one.spectrum.value - reading
+        for one, reading in zip(problem.spectra, problem.readings(best), strict=True)
+    ]
+    alike = found.ravel() * [correlation_length(one)[0] for one in residuals]
+    counted = [one.independent for one in fit.scatter]
+    np.testing.assert_allclose(counted, np.maximum(50.0 / alike, 2.0), rtol=0.01)
 
 
 def test_polarisations_of_reflected_light(tmp_path, rng):

@@ -78,7 +78,6 @@ def test_a_factor_is_found():
     assert alone.interval[1] / alone.interval[0] < wide[1] / wide[0]
 
 
-@pytest.mark.slow
 def test_points_count_by_their_spread_along_the_slope_of_the_curve():
     """At the top of the curve an uncertain pressure takes nothing from a point."""
     hot, step = vane(), 1e-4
@@ -98,6 +97,7 @@ def test_points_count_by_their_spread_along_the_slope_of_the_curve():
     assert abs(found / np.exp(np.sum(blunt * np.log(factor)) / np.sum(blunt)) - 1.0) > 0.01
 
 
+@pytest.mark.slow
 def test_the_interval_of_the_ratio_contains_one():
     """Vanes drawn from a stated one, with instruments and points that err as stated."""
     stated = lf.lab.Vane(

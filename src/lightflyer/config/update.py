@@ -119,7 +119,8 @@ def write_design(
 
     path = Path(path)
     require_free(path)
-    document = tomlkit.parse(text.removeprefix(_first_line(text)))
+    earlier = text.partition("\n")[0] + "\n" if text.startswith(_WRITTEN) else ""  # of a search
+    document = tomlkit.parse(text.removeprefix(earlier))
     for name, (value, unit) in values.items():
         *sections, key = name.split(".")
         table: Any = document
@@ -154,11 +155,6 @@ def require_free(path: Path) -> None:
 def _in_line(table: Any) -> bool:
     """Whether a table is written on one line, which has no room for comments."""
     return type(table).__name__ == "InlineTable"
-
-
-def _first_line(text: str) -> str:
-    """The first line of a file that an earlier search wrote."""
-    return text.partition("\n")[0] + "\n" if text.startswith(_WRITTEN) else ""
 
 
 def emittance_keys(face: Face) -> list[tuple[str, str]]:

@@ -36,6 +36,7 @@ def doctor_command(*, json_output: Json = False) -> None:
     blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
     devices = load_jax().devices() if has_jax() else []
     load_plugins()
+    extras = importlib.metadata.metadata("lightflyer").get_all("Provides-Extra") or []
     found: dict[str, Any] = {
         "lightflyer": lightflyer.__version__,
         "python": platform.python_version(),
@@ -46,7 +47,7 @@ def doctor_command(*, json_output: Json = False) -> None:
         "numpy": np.__version__,
         "blas": f"{blas['name']} {blas['version']}",
         "requirements": _requirements(None),
-        "extras": {name: _requirements(name) for name in _extras()},
+        "extras": {name: _requirements(name) for name in sorted({*extras} - {_EVERY_EXTRA})},
         "plug_ins": [f"{entry.name} ({entry.value})" for entry in plugins()],
         "compiled_code": _cache(),
     }
@@ -87,32 +88,25 @@ def doctor_command(*, json_output: Json = False) -> None:
         console.print(f"{entry['package']}: {entry['problem']}; pip install --upgrade lightflyer")
 
 
-def _extras() -> list[str]:
-    names = importlib.metadata.metadata("lightflyer").get_all("Provides-Extra") or []
-    return sorted(set(names) - {_EVERY_EXTRA})
-
-
 def _requirements(extra: str | None) -> list[dict[str, Any]]:
     """Packages that the package needs, or one of its extras, and what is wrong with each."""
-    needs = [Requirement(text) for text in importlib.metadata.requires("lightflyer") or []]
-    return [_state(need) for need in needs if _is_for(need, extra)]
-
-
-def _is_for(need: Requirement, extra: str | None) -> bool:
-    always = need.marker is None or need.marker.evaluate({"extra": ""})
-    if extra is None or need.marker is None:
-        return always and extra is None
-    return not always and need.marker.evaluate({"extra": extra})
-
-
-def _state(need: Requirement) -> dict[str, Any]:
-    try:
-        version = importlib.metadata.version(need.name)
-    except importlib.metadata.PackageNotFoundError:
-        return {"package": need.name, "version": None, "problem": "missing"}
-    fits = need.specifier.contains(version, prereleases=True)
-    problem = None if fits else f"is {version}, but {need.specifier} is needed"
-    return {"package": need.name, "version": version, "problem": problem}
+    found = []
+    for need in map(Requirement, importlib.metadata.requires("lightflyer") or []):
+        always = need.marker is None or need.marker.evaluate({"extra": ""})
+        of_extra = need.marker is not None and need.marker.evaluate({"extra": extra or ""})
+        if not (always if extra is None else of_extra and not always):
+            continue
+        version: str | None = None
+        problem: str | None = "missing"
+        try:
+            version = importlib.metadata.version(need.name)
+        except importlib.metadata.PackageNotFoundError:
+            pass
+        else:
+            fits = need.specifier.contains(version, prereleases=True)
+            problem = None if fits else f"is {version}, but {need.specifier} is needed"
+        found.append({"package": need.name, "version": version, "problem": problem})
+    return found
 
 
 def _cache() -> dict[str, Any]:

@@ -257,7 +257,11 @@ def _is_data(leaf: Any) -> bool:
 
 def _tabulate(grid: WindGrid) -> tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]]:
     """Table of vectors and its axes, which go on over the poles where all meridians meet there."""
-    table, nodes = _as_vectors(grid), grid.latitude
+    nodes = grid.latitude
+    east, north = _directions(nodes[:, None], grid.longitude, np)
+    horizontal = grid.east[..., None] * east + grid.north[..., None] * north
+    air = [] if grid.air is None else [grid.air]
+    table = np.concatenate([horizontal, grid.up[..., None], *air], axis=-1)
     if grid.around:
         south, north = near_poles(nodes)
         if south:
@@ -267,15 +271,6 @@ def _tabulate(grid: WindGrid) -> tuple[np.ndarray, tuple[Axis, Axis, Axis, Axis]
             table, nodes = turned[:, :, ::-1], -mirrored[::-1]
     around = _TURN if grid.around else None
     return table, (Axis(grid.time), Axis(grid.level), Axis(nodes), Axis(grid.longitude, around))
-
-
-def _as_vectors(grid: WindGrid) -> np.ndarray:
-    """Three components in space of the horizontal wind, and the wind upwards, on the grid."""
-    latitude, longitude = grid.latitude[:, None], grid.longitude
-    east, north = _directions(latitude, longitude, np)
-    horizontal = grid.east[..., None] * east + grid.north[..., None] * north
-    air = [] if grid.air is None else [grid.air]
-    return np.concatenate([horizontal, grid.up[..., None], *air], axis=-1)
 
 
 def _directions(latitude: Any, longitude: Any, xp: Any = xp) -> tuple[Any, Any]:

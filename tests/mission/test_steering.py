@@ -141,6 +141,9 @@ def test_shade_and_errors_of_the_drag_hold_with_inertia_too(closed_form_disk, li
     assert float(flights[0].end_altitude) < 74.5e3
     assert "shading" not in flights[0].warnings
     assert float(flights[1].end_altitude) == pytest.approx(float(flights[0].end_altitude), abs=1.0)
+    told = "temperatures, powers and speeds over time are those in balance at each place"
+    assert told in flights[1].attrs["assumptions"]
+    assert told not in flights[0].attrs["assumptions"]
 
 
 @pytest.mark.parametrize(("altitude", "some"), [("95 km", "all"), ("40 km", "none")])

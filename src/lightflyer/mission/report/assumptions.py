@@ -51,8 +51,8 @@ def assumptions_of(
         "heat and forces balance at each moment; inertia counts after a release at speed or in "
         "thin air, until they do"
         if inertia is None
-        else f"with inertia, specific heat {float(inertia.specific_heat):g} J/(kg K); temperatures, "
-        "powers and speeds over time are those in balance at each place"
+        else f"with inertia, specific heat {float(inertia.specific_heat):g} J/(kg K); "
+        "temperatures, powers and speeds over time are those in balance at each place"
     )
     light = (
         ("light: the same at all times", *environment.assumptions())

@@ -18,6 +18,13 @@ import sys
 import threading
 from typing import Any
 
+_FAILURE = 2
+_NO_ROOM = ("failed to map segment", "without exception set")  # of libraries, in their words
+_RAISE_THE_LIMIT = (
+    b"lightflyer: error: libraries find no room in memory; raise the limit of it (ulimit -v), or\n"
+    b"free some\n"
+)
+
 _BY_SIGNAL = 128  # what the exit code is of, with a signal's number
 
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of malloc.h
@@ -58,13 +65,20 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait on matrices as small as ours
     # of a home that cannot be written, in which Matplotlib would keep its list of fonts
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    from lightflyer.cli import main as run  # takes a while
-    from lightflyer.cli.code_cache import keep_code
-    from lightflyer.core.extras import hide_libraries
+    try:
+        from lightflyer.cli import main as run  # takes a while
+        from lightflyer.cli.code_cache import keep_code
+        from lightflyer.core.extras import hide_libraries
 
-    hide_libraries()  # until an extra or a plug-in may need it
-    keep_code()
-    run()
+        hide_libraries()  # until an extra or a plug-in may need it
+        keep_code()
+        run()
+    except (MemoryError, ImportError, SystemError) as error:
+        # memory that ends while libraries load, or while its end is being said
+        if not isinstance(error, MemoryError) and not any(sign in str(error) for sign in _NO_ROOM):
+            raise
+        os.write(2, _RAISE_THE_LIMIT)
+        sys.exit(_FAILURE)
 
 
 def _open_closed_streams() -> None:

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from lightflyer.files.table import shipped_table
-from lightflyer.force.perforated import FREE_FORCE
+from lightflyer.force.membranes.sandwich import FREE_FORCE
 
 path = "../../tests/validation/schafer2025.csv"  # in the repository, not in the package
 published = np.genfromtxt(path, names=True, delimiter=",", skip_header=2)

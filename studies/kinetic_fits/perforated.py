@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from kinetic_fits.common import table_of
 
-from lightflyer.force.perforated import FREE_FORCE, PerforatedDiskFit
+from lightflyer.force.membranes.sandwich import FREE_FORCE, PerforatedDiskFit
 from lightflyer.numerics.interpolation import Curves
 
 _BEYOND = 2.0  # factor of δ within which the coefficients level off below and above the table

@@ -16,7 +16,7 @@ import lightflyer as lf
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
 from lightflyer.force.kinetic.sandwich_table import sandwich_fit
-from lightflyer.force.perforated import FREE_FORCE, TEMPERATURE_EXCESS
+from lightflyer.force.membranes.sandwich import FREE_FORCE, TEMPERATURE_EXCESS
 
 HERE = Path(__file__).parent
 IMAGES = HERE.parents[1] / "docs" / "images"

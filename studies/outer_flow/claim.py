@@ -6,8 +6,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 import lightflyer as lf
-from lightflyer.force.laws.disk_gas import CREEPING, through_flow_force
-from lightflyer.force.perforated import rarefaction
+from lightflyer.force.laws.outer_flow import CREEPING, through_flow_force
+from lightflyer.force.membranes.sandwich import rarefaction
 from lightflyer.gas import mean_free_path
 
 ALTITUDE = 25e3  # [m]

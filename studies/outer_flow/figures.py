@@ -9,7 +9,7 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
-from lightflyer.force.laws.disk_gas import CREEPING, through_flow_coefficient
+from lightflyer.force.laws.outer_flow import CREEPING, through_flow_coefficient
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 EDGE = 3.0  # of the drawn part of the flow, in radii

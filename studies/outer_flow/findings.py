@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 import lightflyer as lf
 from lightflyer.files.table import shipped_table
-from lightflyer.force.laws.disk_gas import CREEPING, through_flow_coefficient
+from lightflyer.force.laws.outer_flow import CREEPING, through_flow_coefficient
 
 HERE = Path(__file__).parent
 SHOWN = 90  # points outward of which the stream function is kept

@@ -14,7 +14,7 @@ import numpy as np
 import lightflyer as lf
 from lightflyer.files import drawing as plot
 from lightflyer.files import palette
-from lightflyer.force.perforated import perforated_disk_fit, rarefaction
+from lightflyer.force.membranes.sandwich import perforated_disk_fit, rarefaction
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent))

@@ -18,7 +18,7 @@ from lightflyer.force.laws.channels import (
     gas_at_faces,
 )
 from lightflyer.force.laws.disk_gas import disk_surroundings, recoil_ratio
-from lightflyer.force.perforated import perforated_disk_fit
+from lightflyer.force.membranes.sandwich import perforated_disk_fit
 from lightflyer.force.pumps.channel_pump import outer_resistance, through_flow
 from lightflyer.statics.equations import FlightEquations
 

@@ -11,7 +11,7 @@ import lightflyer as lf
 from lightflyer.array import tree
 from lightflyer.force.kinetic import sandwich_table as tables
 from lightflyer.force.kinetic.ratios import kinetic_fit
-from lightflyer.force.perforated import rarefaction
+from lightflyer.force.membranes.sandwich import rarefaction
 from lightflyer.kinetic_theory.disk.cases import COARSE, Case, solve_case
 from lightflyer.kinetic_theory.model_gases import DIATOMIC
 

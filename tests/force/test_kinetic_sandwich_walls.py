@@ -11,7 +11,7 @@ from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic import sandwich_table as walls
 from lightflyer.force.kinetic.sandwich_table import sandwich_fit
 from lightflyer.force.kinetic.walls import Accommodations
-from lightflyer.force.perforated import rarefaction
+from lightflyer.force.membranes.sandwich import rarefaction
 
 COLD, RADIUS = 220.0, 0.01
 CL = "cercignani-lampis"

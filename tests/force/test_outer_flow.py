@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import lightflyer as lf
-from lightflyer.force.laws.disk_gas import (
+from lightflyer.force.laws.outer_flow import (
     pumped_velocity,
     through_flow_coefficient,
     through_flow_force,

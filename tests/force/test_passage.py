@@ -5,7 +5,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core.errors import ParameterError
-from lightflyer.force.laws.faces import passage
+from lightflyer.force.laws.membrane_transmission import passage
 
 OUTER, INNER = (0.7, 0.9), (0.8, 0.6)  # of the top, the bottom membrane
 NOBODY, TOP, BOTTOM = 0, 1, 2

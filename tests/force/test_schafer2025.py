@@ -9,8 +9,8 @@ from scipy.optimize import fsolve
 
 import lightflyer as lf
 from lightflyer.array import tree
-from lightflyer.force.laws.faces import accommodation_between, gap_conductance
-from lightflyer.force.perforated import internal_factors, perforated_disk_fit, rarefaction
+from lightflyer.force.laws.gap import accommodation_between, gap_conductance
+from lightflyer.force.membranes.sandwich import internal_factors, perforated_disk_fit, rarefaction
 from lightflyer.statics.equations import FlightEquations
 
 MODEL, WIDE = lf.Schafer2025(), lf.Schafer2025(transmission="wide")

@@ -11,7 +11,7 @@ from lightflyer import cli
 from lightflyer.config.designs import as_design
 from lightflyer.force.kinetic.model import KineticSection
 from lightflyer.force.lu2023 import Lu2023ForceSection
-from lightflyer.force.schafer2025 import Schafer2025
+from lightflyer.force.membranes.schafer2025 import Schafer2025
 
 TEXT = """\
 [flyer]

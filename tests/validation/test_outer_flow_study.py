@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.force.laws import disk_gas
+from lightflyer.force.laws import outer_flow
 
 STUDY = Path(__file__).parents[2] / "studies" / "outer_flow"
 
@@ -31,7 +31,7 @@ def test_results_are_those_of_the_tables(study, results):
 
 
 def test_formula_is_the_best_fit(results):
-    shipped = [disk_gas._JET, disk_gas._LAYER, disk_gas._ONSET]
+    shipped = [outer_flow._JET, outer_flow._LAYER, outer_flow._ONSET]
     assert shipped == pytest.approx(results["flow"]["constants_that_fit_best"], abs=0.006)
     assert results["flow"]["largest_deviation_of_formula_percent"] < 1.5
 

@@ -9,7 +9,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.force.kinetic.collisions import FORCE_HEATED, collision_fit, with_collisions
-from lightflyer.force.perforated import rarefaction
+from lightflyer.force.membranes.sandwich import rarefaction
 
 PUBLISHED = Path(__file__).with_name("schafer2025_scattering.csv")  # not packed: of another licence
 SOLVED = Path(__file__).parents[2] / "studies" / "schafer2025_table" / "scattering.jsonl"

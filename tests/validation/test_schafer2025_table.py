@@ -9,7 +9,7 @@ import pytest
 from kinetic_fits.perforated import fit, perforated_disk_table
 
 import lightflyer as lf
-from lightflyer.force.perforated import perforated_disk_fit
+from lightflyer.force.membranes.sandwich import perforated_disk_fit
 
 PUBLISHED = Path(__file__).with_name("schafer2025.csv")  # not packed: of another licence
 WIDE = 2.0  # rarefaction up to which the published reservoir is known, or nearly

@@ -11,10 +11,10 @@ from .lu2023 import Lu2023 as Lu2023
 from .lu2023 import Reading as Reading
 from .lu2023 import SimpleForm as SimpleForm
 from .lu2023 import fit_simple_form as fit_simple_form
+from .membranes.schafer2025 import Schafer2025 as Schafer2025
 from .pumps.celenza2023 import Celenza2023 as Celenza2023
 from .pumps.celenza2023 import HollowPump as HollowPump
 from .pumps.channel_pump import ChannelPump as ChannelPump
-from .schafer2025 import Schafer2025 as Schafer2025
 from .spheres import FreeMolecularSphere as FreeMolecularSphere
 from .spheres import KineticSphere as KineticSphere
 from .spheres import Rohatschek1995 as Rohatschek1995

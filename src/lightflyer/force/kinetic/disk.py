@@ -44,7 +44,7 @@ from lightflyer.force.kinetic.ratios import (
     tacs_of,
 )
 from lightflyer.force.kinetic.walls import AbstractWalled
-from lightflyer.force.perforated import internal_factors
+from lightflyer.force.membranes.sandwich import internal_factors
 from lightflyer.gas.base import AbstractGas, knudsen_number
 from lightflyer.numerics.special import root_sum_square
 

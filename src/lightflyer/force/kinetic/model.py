@@ -23,7 +23,7 @@ from lightflyer.force.kinetic.disk import KineticDisk, Polyatomic
 from lightflyer.force.kinetic.ratios import FilmBalance
 from lightflyer.force.kinetic.sandwich import KineticSandwich
 from lightflyer.force.kinetic.walls import Wall
-from lightflyer.force.laws.faces import Transmission
+from lightflyer.force.laws.membrane_transmission import Transmission
 from lightflyer.gas.base import AbstractGas
 
 _IDLE = {
@@ -124,7 +124,7 @@ class Kinetic(AbstractForceModel):
     A sandwich is one thin disk with holes whose faces are at the temperatures of its membranes,
     with a table of its own (:mod:`lightflyer.force.kinetic.sandwich_table`) up to a rarefaction of
     100, Kn = 0.0044; without holes it is the disk. ``transmission`` says how its holes and its gap
-    let molecules pass, :func:`lightflyer.force.laws.faces.passage`.
+    let molecules pass, :func:`lightflyer.force.laws.membrane_transmission.passage`.
 
     Where the surroundings have a wall (:attr:`EnvironmentState.wall_distance`), force and heat
     are those in a chamber of that radius. With a floor or a lid the surfaces are solid, each at its

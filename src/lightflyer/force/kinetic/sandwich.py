@@ -28,13 +28,9 @@ from lightflyer.force.kinetic.sandwich_table import (
     sandwich_fit,
 )
 from lightflyer.force.kinetic.walls import AbstractWalled, scattering_ranges
-from lightflyer.force.laws.faces import (
-    MembraneTransmission,
-    Transmission,
-    free_molecular_conductance,
-    passage,
-)
-from lightflyer.force.perforated import (
+from lightflyer.force.laws.faces import free_molecular_conductance
+from lightflyer.force.laws.membrane_transmission import MembraneTransmission, Transmission, passage
+from lightflyer.force.membranes.sandwich import (
     between_membranes,
     rarefaction_of,
     sandwich_ranges,

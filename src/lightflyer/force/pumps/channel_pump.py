@@ -32,20 +32,11 @@ from lightflyer.force.laws.channels import (
     gas_at_faces,
     thermomolecular_pressure,
 )
-from lightflyer.force.laws.disk_gas import (
-    FLOW_RANGE,
-    disk_surroundings,
-    pumped_velocity,
-    recoil_ratio,
-    through_flow_force,
-)
-from lightflyer.force.laws.faces import (
-    accommodation_between,
-    free_molecular_conductance,
-    gap_conductance,
-    in_series,
-)
-from lightflyer.force.perforated import internal_factors
+from lightflyer.force.laws.disk_gas import disk_surroundings, recoil_ratio
+from lightflyer.force.laws.faces import free_molecular_conductance, in_series
+from lightflyer.force.laws.gap import accommodation_between, gap_conductance
+from lightflyer.force.laws.outer_flow import FLOW_RANGE, pumped_velocity, through_flow_force
+from lightflyer.force.membranes.sandwich import internal_factors
 from lightflyer.gas.base import AbstractGas
 from lightflyer.gas.molecules import slot_transmission
 
@@ -126,7 +117,7 @@ def through_flow(
     r"""Velocity at which the pump of a wall and the gas outside are in balance."""
     # .. math:: R_w u + \frac{F(u)}{\pi a^2} = \Delta p_0
     #
-    # with the force :math:`F` of the flow around a disk (:mod:`lightflyer.force.laws.disk_gas`),
+    # with the force :math:`F` of the flow around a disk (:mod:`lightflyer.force.laws.outer_flow`),
     # whose creeping limit is that of the resistance outside.
     outside = {
         "radius": radius,

@@ -37,11 +37,8 @@ from lightflyer.core.validity import Looks, Validity
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.fitted import fitted
-from lightflyer.force.laws.faces import (
-    MembraneTransmission,
-    Transmission,
-    gap_conductance,
-)
+from lightflyer.force.laws.gap import gap_conductance
+from lightflyer.force.laws.membrane_transmission import MembraneTransmission, Transmission
 from lightflyer.gas.base import AbstractGas, mean_free_path
 from lightflyer.numerics.interpolation import Curves
 

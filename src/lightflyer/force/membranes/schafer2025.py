@@ -15,13 +15,9 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.base import AbstractForceModel, ForceSection
-from lightflyer.force.laws.faces import (
-    MembraneTransmission,
-    Transmission,
-    free_molecular_conductance,
-    passage,
-)
-from lightflyer.force.perforated import (
+from lightflyer.force.laws.faces import free_molecular_conductance
+from lightflyer.force.laws.membrane_transmission import MembraneTransmission, Transmission, passage
+from lightflyer.force.membranes.sandwich import (
     HIGHEST_OPEN_FRACTION,
     HIGHEST_RAREFACTION,
     HeatRatios,
@@ -137,7 +133,7 @@ class Schafer2025(AbstractForceModel):
     :meth:`ranges` says where that does not hold. For a gap much wider than the holes,
     ``transmission="wide"`` takes the disk through which as many molecules pass as through both
     membranes, with the temperatures at which they leave:
-    :func:`~lightflyer.force.laws.faces.passage`.
+    :func:`~lightflyer.force.laws.membrane_transmission.passage`.
 
     Attributes
     ----------

@@ -1,0 +1,1 @@
+"""Force models of sandwiches of perforated membranes."""

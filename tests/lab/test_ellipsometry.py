@@ -9,7 +9,7 @@ import lightflyer as lf
 from lightflyer.film.optics.transfer_matrix import Structure, ellipsometric_angles
 from lightflyer.lab.optics.data import FilmSpectrum, read_sample
 from lightflyer.lab.optics.fit import fit_optics
-from lightflyer.lab.optics.model import FilmProblem, OpticalModel
+from lightflyer.lab.optics.model import FilmProblem, FilmSolution, OpticalModel
 from lightflyer.lab.optics.search import search
 from lightflyer.numerics.residuals import correlation_length
 
@@ -151,6 +151,21 @@ def test_errors_of_psi_and_delta_add_up_over_their_ordinates(tmp_path, rng, nois
     alike = found.ravel() * [correlation_length(one)[0] for one in residuals]
     counted = [one.independent for one in fit.scatter]
     np.testing.assert_allclose(counted, np.maximum(50.0 / alike, 2.0), rtol=0.01)
+
+
+def test_the_order_of_spectra_does_not_matter_to_errors_in_common(tmp_path, rng):
+    write_sample(tmp_path, rng)
+    sample = read_sample(tmp_path / "sample.toml")
+    turned = replace(sample, spectra=sample.spectra[::-1])
+    position = np.full(len(sample.free), 0.4)
+    found = [
+        FilmProblem.of(one).common_errors(
+            FilmSolution(position, np.zeros((len(one.spectra), 2)), 0)
+        )
+        for one in (sample, turned)
+    ]
+    assert np.max(found[0]) > 1.0
+    np.testing.assert_allclose(found[0], found[1][::-1], rtol=1e-9)
 
 
 def test_polarisations_of_reflected_light(tmp_path, rng):

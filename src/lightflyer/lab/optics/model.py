@@ -257,18 +257,20 @@ class FilmProblem:
         full, jacobian = self._inverse(solution)
         residual = self.residuals(np.concatenate([solution.position, solution.errors.ravel()]))
         moves = (jacobian @ full)[:, : len(self.free)] * residual[:, None]
-        found, end = np.ones(len(self.spectra)), 0
-        reading: list[int] = []  # spectra of one angle, N first
-        parts = []
+        ends = np.cumsum([len(one.spectrum.value) for one in self.spectra])
+        parts = np.split(moves[: ends[-1]], ends[:-1])
+        readings: dict[tuple[float, str, bytes], list[int]] = {}
         for number, one in enumerate(self.spectra):
-            begin, end = end, end + len(one.spectrum.value)
-            parts.append(moves[begin:end])
-            name = one.spectrum.quantity
-            reading = [*(reading if name in ORDINATES[1:] else []), number]
-            together = sum(parts[each] for each in reading)
+            if one.spectrum.quantity in ORDINATES:
+                points = one.incidence, one.side, one.spectrum.wavenumber.tobytes()
+                readings.setdefault(points, []).append(number)
+        found = np.ones(len(self.spectra))
+        for reading in readings.values():
+            together = np.sum(sum(parts[each] for each in reading) ** 2, axis=0)
             apart = sum(np.sum(parts[each] ** 2, axis=0) for each in reading)
-            ratio = np.sum(together**2, axis=0) / np.where(apart > 0.0, apart, 1.0)
-            found[reading] = max(1.0, float(np.mean(ratio)))
+            told = apart > 0.0  # numbers that these ordinates say anything of
+            if told.any():
+                found[reading] = max(1.0, float(np.mean(together[told] / apart[told])))
         return found
 
     def _inverse(self, solution: FilmSolution) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext, suppress
 from dataclasses import replace
-from functools import partial
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -334,19 +333,18 @@ def fly_all(
     law = Balanced(flights.vehicle, np.reshape(flights.starts.place.time, (-1, 1)), limits)
     flown: dict[int, float] = {}  # of each batch, in flights
 
-    def fly_some(begin: int) -> Track:
+    def compute(begin: int) -> Track | None:
+        if asked_to_end():
+            return None
         rows = np.arange(begin, min(begin + BATCH, count))
 
         def tell(share: float) -> None:
             flown[begin] = share * rows.size
             report("flying", alone + int(sum([*flown.values()])), count, "flights")
 
-        return integrate(law.take(rows), states[rows], elapsed, accuracy, tell).track
+        def fly() -> Track:
+            return integrate(law.take(rows), states[rows], elapsed, accuracy, tell).track
 
-    def compute(begin: int) -> Track | None:
-        if asked_to_end():
-            return None
-        fly = partial(fly_some, begin)
         return fly() if work is None else work.tracks(begin, fly)
 
     def whole(track: Track | None) -> bool:

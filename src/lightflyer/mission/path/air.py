@@ -95,7 +95,12 @@ class Waves(Module):
         phases = self.frequencies * at + self.wavenumbers * height
         if self.middle is not None:
             away = unit_vector(place.latitude, place.longitude) - self.middle(elapsed)
-            phases = phases - (self._lags @ away[..., None])[..., 0]
+            # phase over the distance along each axis of the planet's frame, (..., waves, 3) [1]
+            length = xp.sqrt(xp.sum(self.headings**2, axis=-2, keepdims=True))
+            heading = self.headings / xp.where(length > 0.0, length, 1.0)
+            wavenumbers = self.wavenumbers * self.frequencies / _BUOYANCY_FREQUENCY
+            lags = xp.swapaxes(EARTH_PLANET.radius * wavenumbers[..., None, :] * heading, -1, -2)
+            phases = phases - (lags @ away[..., None])[..., 0]
         cosine, sine = xp.cos(phases), xp.sin(phases)
         size = temperature_by_gravity_waves(altitude) / state.temperature
         warmer = size * xp.sum(self.warms * (self.cosines * cosine + self.sines * sine), axis=-1)
@@ -119,14 +124,6 @@ class Waves(Module):
             pressure=state.pressure * (1.0 - size * xp.sum(self.reaches * quarter, axis=-1)),
             wind=moved,
         )
-
-    @property
-    def _lags(self) -> Array:
-        """Phase over the distance along each axis of the planet's frame, (..., waves, 3) [1]."""
-        length = xp.sqrt(xp.sum(self.headings**2, axis=-2, keepdims=True))
-        along = self.headings / xp.where(length > 0.0, length, 1.0)
-        wavenumbers = self.wavenumbers * self.frequencies / _BUOYANCY_FREQUENCY
-        return xp.swapaxes(EARTH_PLANET.radius * wavenumbers[..., None, :] * along, -1, -2)
 
 
 def temperature_by_gravity_waves(altitude: Numeric) -> Array:

@@ -129,13 +129,11 @@ class Balanced:
         vehicle = tree.take_rows(self.vehicle, members, rows)
         return replace(self, vehicle=vehicle, released=self.released[rows])
 
-    def local(self, elapsed: Any, states: Array) -> tuple[Array, Place, Surroundings]:
-        """Altitude [m], place and surroundings of scaled states."""
-        return self._local(elapsed, states, states[..., 3] * ALTITUDE_SCALE)
-
-    def _local(
-        self, elapsed: Any, states: Array, altitude: Array
+    def local(
+        self, elapsed: Any, states: Array, altitude: Array | None = None
     ) -> tuple[Array, Place, Surroundings]:
+        """Altitude [m], place and surroundings of scaled states, or of others at an altitude."""
+        altitude = states[..., 3] * ALTITUDE_SCALE if altitude is None else altitude
         place = Place(*latitude_and_longitude(states[..., :3]), self.released + elapsed)
         local = self.vehicle.surroundings(self.limits.inside(altitude), place, elapsed)
         return altitude, place, local
@@ -147,7 +145,7 @@ class Balanced:
         # a balloon's force a little higher tells how firmly it is held
         higher = _DIFFERENCE * altitude
         heights = np.stack([altitude, altitude + higher]) if floats else altitude
-        _, place, local = self._local(elapsed, states, heights)
+        _, place, local = self.local(elapsed, states, heights)
         heat = vehicle.heat(local)
         unknowns, load = heat.unknowns, self._largest_load(local, heat, heights.shape)
         forces = vehicle.forces(local, unknowns)
@@ -230,7 +228,29 @@ class Moving(Balanced):
             both = zip(powers, equations.losses(unknowns), strict=True)
             heating = [(power - loss) / capacity for power, loss in both]
         ground = velocity_over_ground(states, place)
-        speeding = self._acceleration(local, unknowns, ground)
+        # drag along the normal and across it are taken to be independent of each other
+        flyer, state, attitude = local.flyer, local.state, local.flyer.attitude
+        normal, down = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
+        if attitude is not None:
+            sine, cosine = xp.sin(attitude.tilt), xp.cos(attitude.tilt)
+            east, north = xp.sin(attitude.azimuth), xp.cos(attitude.azimuth)
+            normal = sine * east, sine * north, cosine
+            down = cosine * east, cosine * north, -sine
+        forces = vehicle.forces(local, unknowns)
+        through = [one - other for one, other in zip(ground, local.wind, strict=True)]
+        axial = sum(one * other for one, other in zip(through, normal, strict=True))
+        across = [one - axial * other for one, other in zip(through, normal, strict=True)]
+        square = sum(one**2 for one in across)
+        speed = xp.sqrt(xp.where(square > _SLOWEST**2, square, _SLOWEST**2))
+        edgewise = flyer.drag(state, unknowns, speed, "edgewise") / speed
+        broadside = flyer.drag(state, unknowns, axial, "broadside")
+        share = 1.0 if local.drag is None else local.drag
+        found = [
+            (forces.axial * n + forces.slope * d - share * (broadside * n + edgewise * a))
+            / flyer.mass
+            for n, d, a in zip(normal, down, across, strict=True)
+        ]
+        speeding = xp.stack(xp.broadcast_arrays(*found), axis=-1)  # to the east, north and up
         speeding = (speeding[..., None, :] @ _axes(place))[..., 0, :]
         turning = xp.asarray([0.0, 0.0, 2.0 * vehicle.planet.rotation_rate])
         speeding = speeding - xp.cross(turning, states[..., MOVING] * SPEED_SCALE)  # Coriolis
@@ -269,34 +289,6 @@ class Moving(Balanced):
             state.gas.heat_capacity(state.temperature), speeding,
         )  # fmt: skip
         return xp.stack(ground, axis=-1), *(xp.broadcast_to(one, speed.shape) for one in found)
-
-    def _acceleration(
-        self, local: Surroundings, unknowns: tuple[Array, ...], ground: Wind
-    ) -> Array:
-        """Rates of the velocity by all forces, to the east, north and up, shape (..., 3) [m/s²]."""
-        # drag along the normal and across it are taken to be independent of each other
-        flyer, state, attitude = local.flyer, local.state, local.flyer.attitude
-        normal, down = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
-        if attitude is not None:
-            sine, cosine = xp.sin(attitude.tilt), xp.cos(attitude.tilt)
-            east, north = xp.sin(attitude.azimuth), xp.cos(attitude.azimuth)
-            normal = sine * east, sine * north, cosine
-            down = cosine * east, cosine * north, -sine
-        forces = self.vehicle.forces(local, unknowns)
-        through = [one - other for one, other in zip(ground, local.wind, strict=True)]
-        axial = sum(one * other for one, other in zip(through, normal, strict=True))
-        across = [one - axial * other for one, other in zip(through, normal, strict=True)]
-        square = sum(one**2 for one in across)
-        speed = xp.sqrt(xp.where(square > _SLOWEST**2, square, _SLOWEST**2))
-        edgewise = flyer.drag(state, unknowns, speed, "edgewise") / speed
-        broadside = flyer.drag(state, unknowns, axial, "broadside")
-        share = 1.0 if local.drag is None else local.drag
-        found = [
-            (forces.axial * n + forces.slope * d - share * (broadside * n + edgewise * a))
-            / flyer.mass
-            for n, d, a in zip(normal, down, across, strict=True)
-        ]
-        return xp.stack(xp.broadcast_arrays(*found), axis=-1)
 
 
 def follow(

@@ -464,10 +464,8 @@ class _Flights:
         most = np.where(quick, np.minimum(2 * self.most, _MOST), np.maximum(self.most // 2, 1))
         self.most = np.where(stuck, _FEWEST, np.where(taken > 0, most, self.most))
         stays = active & (columns >= taken[:, None]) & self.flying[:, None]
-        self._rearrange(np.where(stays, np.where(divided, _PARTS, 1), 0), series)
-
-    def _rearrange(self, number: np.ndarray, series: np.ndarray) -> None:
-        """Put intervals to the front, so many of each: itself, or its parts."""
+        # intervals to the front, each as itself or by its parts
+        number = np.where(stays, np.where(divided, _PARTS, 1), 0)
         source, part = np.repeat(np.arange(number.size), number.ravel()), _numbered(number.ravel())
         place, counts = _numbered(number.sum(axis=1)), number.sum(axis=1)
         fits = place < self.window.shape[1]

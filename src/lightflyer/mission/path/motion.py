@@ -316,12 +316,6 @@ def node_variables(nodes: tuple[str, ...]) -> dict[str, Variable]:
     }
 
 
-def moments(vehicle: Vehicle, course: Course) -> dict[str, Any]:
-    """Results over time of a flyer in balance at each moment [1], shape (times,)."""
-    found: dict[str, Any] = _moments(vehicle, within(vehicle, course))
-    return found
-
-
 def within(vehicle: Vehicle, course: Course) -> Course:
     """A course whose end lies within the environment, which it may miss by rounding."""
     where = vehicle.setup.environment.coordinate
@@ -330,8 +324,9 @@ def within(vehicle: Vehicle, course: Course) -> Course:
 
 
 @entry_point
-def _moments(vehicle: Vehicle, course: Course) -> dict[str, Any]:
-    elapsed = course.elapsed
+def moments(vehicle: Vehicle, course: Course) -> dict[str, Any]:
+    """Results over time of a flyer in balance at each moment [1], shape (times,)."""
+    course, elapsed = within(vehicle, course), course.elapsed
     place = Place(*latitude_and_longitude(course.position), course.released + elapsed)
     local = vehicle.surroundings(course.altitude, place, elapsed)
     heat = vehicle.heat(local)

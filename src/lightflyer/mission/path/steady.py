@@ -150,7 +150,12 @@ def steady_drift(
     if not is_concrete(found.speed):
         return found
     require_converged("heat balance of the tilted flyer", moving.status, moving.residual)
-    return replace(found, warnings=_warnings(setup, strip_labels(moving)))
+    state, temperature, axial, slope = strip_labels(moving[:4])
+    drags = setup.flyer.drag_diagnostics(state, axial, "broadside", temperature)
+    if np.any(slope != 0.0):
+        drags += setup.flyer.drag_diagnostics(state, slope, "edgewise", temperature)
+    warnings = *diagnose(setup, state, temperature), *dict.fromkeys(drags)
+    return replace(found, warnings=warnings)
 
 
 class _Drifting(NamedTuple):
@@ -181,14 +186,6 @@ def _drift(
     force = setup.model.force(local.flyer, state, heat.unknowns) * xp.sin(attitude.tilt)
     found = Drift(speed, moving.up, force, forces.lift / forces.weight)
     return found, _Drifting(state, heat.temperature, axial, slope, heat.status, heat.residual)
-
-
-def _warnings(setup: Setup, moving: _Drifting) -> tuple[str, ...]:
-    flyer, state, temperature = setup.flyer, moving.state, moving.temperature
-    drags = flyer.drag_diagnostics(state, moving.axial, "broadside", temperature)
-    if np.any(moving.slope != 0.0):
-        drags += flyer.drag_diagnostics(state, moving.slope, "edgewise", temperature)
-    return (*diagnose(setup, state, temperature), *dict.fromkeys(drags))
 
 
 @dataclass(frozen=True, repr=False)
@@ -303,30 +300,6 @@ def hanging_stability(
         raise ParameterError("the payload hangs at no distance: give a rod or a string")
     if not payload_drag >= 0.0:
         raise ParameterError(f"payload_drag = {payload_drag:g} N s/m must not be negative")
-    edgewise, turning, diagnostics = _drags(flyer, state, model)
-    own = float(flyer.own_mass)
-    body = _Body(own, 0.25 * own * float(flyer.radius) ** 2, payload, gravity, edgewise, turning)
-    return Hanging(
-        modes_of(body, rod, string, payload_drag), edgewise, turning, longest_rod(body), diagnostics
-    )
-
-
-@dataclass(frozen=True)
-class _Body:
-    """Masses [kg], moment of inertia [kg m²], gravity [m/s²] and drags of a flyer."""
-
-    own_mass: float
-    inertia: float
-    payload: float
-    gravity: float
-    edgewise_drag: float
-    turning_drag: float
-
-
-def _drags(
-    flyer: Disk | Plate | Sandwich, state: EnvironmentState, model: AbstractForceModel | None
-) -> tuple[float, float, tuple[str, ...]]:
-    """Drag over speed edgewise, torque over rate, and diagnostics."""
     unknowns: Any = (np.zeros(()),) * (len(flyer.nodes) + len(flyer.flows))
     found: list[str] = []
     if model is not None:
@@ -341,10 +314,25 @@ def _drags(
         tac, excess = (flyer.top.tac_top, flyer.bottom.tac_bottom), (unknowns[0], unknowns[1])
         transmission = flyer.passing_share
     gas = (state.pressure, state.temperature, state.gas)
-    torque = turning_disk_torque(1.0, flyer.radius, *gas, tac, excess, transmission)
+    turning = float(turning_disk_torque(1.0, flyer.radius, *gas, tac, excess, transmission))
     edgewise = float(flyer.drag(state, unknowns, _SLOW, "edgewise")) / _SLOW
     found += (*flyer.drag_diagnostics(state, _SLOW, "edgewise"), TURNING_DIAGNOSTIC)
-    return edgewise, float(torque), tuple(found)
+    own = float(flyer.own_mass)
+    body = _Body(own, 0.25 * own * float(flyer.radius) ** 2, payload, gravity, edgewise, turning)
+    modes = modes_of(body, rod, string, payload_drag)
+    return Hanging(modes, edgewise, turning, longest_rod(body), tuple(found))
+
+
+@dataclass(frozen=True)
+class _Body:
+    """Masses [kg], moment of inertia [kg m²], gravity [m/s²] and drags of a flyer."""
+
+    own_mass: float
+    inertia: float
+    payload: float
+    gravity: float
+    edgewise_drag: float
+    turning_drag: float
 
 
 def modes_of(body: _Body, rod: float, string: float, payload_drag: float) -> np.ndarray:

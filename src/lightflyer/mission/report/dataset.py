@@ -230,10 +230,16 @@ def write_netcdf(dataset: "xr.Dataset", path: str | Path) -> None:
     release = np.datetime_as_string(dataset.time.values[0], unit="us")
     dated = {"units": f"seconds since {release}", "dtype": "float64"}
     for name, variable in written.variables.items():
-        variable.attrs |= _conventions(str(name))
+        name = str(name)
+        before, _, last = name.rpartition("_")
+        if name in _STANDARD_NAMES:
+            variable.attrs["standard_name"] = _STANDARD_NAMES[name]
+        elif last in _AXES:
+            variable.attrs |= {"standard_name": last, **_AXES[last]}
+            if before and f"{before}_" not in dict(SEVERAL):
+                del variable.attrs["axis"]  # where a flight ended, for one, is not along it
         if variable.attrs.get("units") == "K":
             variable.attrs["units_metadata"] = "temperature: on_scale"
-        name = str(name)
         prefix = next((prefix for prefix, one in SEVERAL if one in variable.dims), "")
         known = ["time", "latitude", "longitude", *([] if prefix else ["altitude", _FLIGHT])]
         along = [prefix + key for key in known]
@@ -243,16 +249,3 @@ def write_netcdf(dataset: "xr.Dataset", path: str | Path) -> None:
             variable.encoding |= dated
     written[ELAPSED].encoding["_FillValue"] = None
     atomic_files.write_netcdf(written, Path(path))
-
-
-def _conventions(name: str) -> dict[str, Any]:
-    """Names that the conventions give a variable."""
-    if name in _STANDARD_NAMES:
-        return {"standard_name": _STANDARD_NAMES[name]}
-    before, _, last = name.rpartition("_")
-    if last not in _AXES:
-        return {}
-    about = {"standard_name": last, **_AXES[last]}
-    if before and f"{before}_" not in dict(SEVERAL):
-        del about["axis"]  # where a flight ended, for one, is not along it
-    return about

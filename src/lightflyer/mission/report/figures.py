@@ -319,8 +319,10 @@ def map_view(dataset: "xr.Dataset") -> MapView:
     if "ensemble_longitude" in dataset:
         longitude += list(dataset.ensemble_longitude.values)
         latitude += list(dataset.ensemble_latitude.values)
-    unbroken = np.concatenate([_unbroken(line) for line in longitude])
-    west, east = np.nanmin(unbroken), np.nanmax(unbroken)
+    # going on beyond the date line instead of jumping over the map
+    known = (line[np.isfinite(line)] for line in longitude)
+    unbroken = np.concatenate([np.unwrap(line, period=_TURN) for line in known])
+    west, east = unbroken.min(), unbroken.max()
     south, north = np.nanmin(np.concatenate(latitude)), np.nanmax(np.concatenate(latitude))
     width = max(_LEAST_VIEW, _MARGIN * (east - west), _MARGIN * (north - south))
     if width > _WORLD:
@@ -333,14 +335,6 @@ def map_view(dataset: "xr.Dataset") -> MapView:
         max(centre - 0.5 * height, -_QUARTER_TURN),
         min(centre + 0.5 * height, _QUARTER_TURN),
     )
-
-
-def _unbroken(longitude: np.ndarray) -> np.ndarray:
-    """Longitudes that go on beyond the date line instead of jumping over the map."""
-    known = np.isfinite(longitude)
-    found = np.full(longitude.shape, np.nan)
-    found[known] = np.unwrap(longitude[known], period=_TURN)
-    return found
 
 
 def shores(dataset: "xr.Dataset") -> list[tuple[np.ndarray, np.ndarray]]:

@@ -144,17 +144,34 @@ def add_landing(
 
     ``values``: what the first flight is like on its ``course``.
     """
-    environment = vehicle.setup.environment
-    released = seconds_of(dataset.time.values[0])
+    environment = still = vehicle.setup.environment
+    if isinstance(environment, Planetary):
+        still = replace(environment, wind=None)
+    where, released = environment.coordinate, seconds_of(dataset.time.values[0])
+
+    def pressures(altitude: Any, *place: Any) -> Any:
+        return _pressure(still, altitude, Place(*place))
+
     levels = {f"fl{level}": level_pressure(level) for level in landing.flight_levels}
     for prefix in _PREFIXES:
         if f"{prefix}end_altitude" not in dataset:
             continue
-        track = _tracks(dataset, prefix)
+        # where flights are at the times that are kept, and from their end on there
+        known = np.isfinite(np.atleast_2d(dataset[f"{prefix}altitude"].values))
+        track = {"elapsed": np.where(known, dataset[ELAPSED].values, np.nan)}
+        for name in ("altitude", "latitude", "longitude"):
+            track[name] = np.atleast_2d(dataset[prefix + name].values)
+        for name, column in track.items():
+            end = np.atleast_1d(dataset[f"{prefix}end_{name}"].values)[:, None]
+            track[name] = np.hstack([np.where(known, column, end), end])
         if track["altitude"].min() > _FAR_ABOVE:
             continue
         delay = dataset.launch_delay.values[:, None] if prefix == "launch_" else 0.0
-        pressure = _pressures(environment, track, released + delay)
+        altitude = np.clip(track["altitude"], where.lowest, where.highest)
+        latitude, longitude = (np.radians(track[name]) for name in ("latitude", "longitude"))
+        columns = altitude, latitude, longitude, released + delay + track["elapsed"]
+        pressure = in_batches(pressures, [one.ravel() for one in columns], _POINTS)
+        pressure = pressure.reshape(altitude.shape)
         dims = dataset[f"{prefix}end_altitude"].dims
         for name, level in levels.items():
             below = time_within(track["elapsed"], -np.log(pressure), -np.log(level))
@@ -164,7 +181,7 @@ def add_landing(
         dataset.attrs["objects"] = landing.objects
         if prefix == "ensemble_":
             below = pressure >= min(levels.values())
-            found = np.full(dataset.sizes[ELAPSED], np.nan)
+            crowd = np.full(dataset.sizes[ELAPSED], np.nan)
             below = below[:, :-1] & np.isfinite(dataset["ensemble_altitude"].values)
             radius = 1e3 * float(dataset.attrs["planet_radius_km"])
             for time in np.flatnonzero(below.sum(axis=0) >= FEWEST):
@@ -174,8 +191,7 @@ def add_landing(
                 plane = Map(mean / np.linalg.norm(mean), radius).plane(*here)
                 points = np.column_stack([plane, track["altitude"][rows, time]])
                 volume = size_holding(points, SHARES[0])
-                found[time] = SHARES[0] * rows.mean() / volume if volume > 0.0 else np.nan
-            crowd = found
+                crowd[time] = SHARES[0] * rows.mean() / volume if volume > 0.0 else np.nan
             text = "share of the flights in a volume where they are densest below the levels"
             dataset["airspace_share"] = (ELAPSED, crowd, {"units": "m-3", "long_name": text})
 
@@ -281,37 +297,6 @@ def summarise_landing(dataset: "xr.Dataset") -> dict[str, Any] | None:
             "at_h": float(dataset[ELAPSED][densest]) / 3600.0,
         }
     return numbers
-
-
-def _tracks(dataset: "xr.Dataset", prefix: str) -> dict[str, np.ndarray]:
-    """Where flights are at the times that are kept, and from their end on there."""
-    altitude = np.atleast_2d(dataset[f"{prefix}altitude"].values)
-    known = np.isfinite(altitude)
-    found = {"elapsed": np.where(known, dataset[ELAPSED].values, np.nan), "altitude": altitude}
-    for name in ("latitude", "longitude"):
-        found[name] = np.atleast_2d(dataset[prefix + name].values)
-    for name, values in found.items():
-        end = np.atleast_1d(dataset[f"{prefix}end_{name}"].values)[:, None]
-        found[name] = np.hstack([np.where(known, values, end), end])
-    return found
-
-
-def _pressures(
-    environment: AbstractEnvironment, track: dict[str, np.ndarray], released: Any
-) -> np.ndarray:
-    """Pressure along tracks [Pa], shape (flights, times)."""
-    where, still = environment.coordinate, environment
-    if isinstance(environment, Planetary):
-        still = replace(environment, wind=None)
-    altitude = np.clip(track["altitude"], where.lowest, where.highest)
-    latitude, longitude = (np.radians(track[name]) for name in ("latitude", "longitude"))
-    times = np.broadcast_to(released + track["elapsed"], altitude.shape)
-    points = [part.ravel() for part in (altitude, latitude, longitude, times)]
-
-    def look(altitude: Any, *place: Any) -> Any:
-        return _pressure(still, altitude, Place(*place))
-
-    return in_batches(look, points, _POINTS).reshape(altitude.shape)
 
 
 @entry_point

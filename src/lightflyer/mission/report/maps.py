@@ -2,7 +2,6 @@
 
 import json
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,25 +36,10 @@ def write_kml(dataset: "xr.Dataset", path: Path) -> None:
     _add(document, "description", dataset.attrs["end"])
     known = np.isfinite(dataset.altitude.values)
     places = places_of(dataset, "")[known]
-    _track(_placemark(document, "flight"), dataset, places, known)
-    end = (dataset.end_longitude, dataset.end_latitude, dataset.end_altitude)
-    _point(document, "release", places[0])
-    _point(document, f"end: {dataset.attrs['end']}", np.array([float(part) for part in end]))
-    for prefix, dimension in SEVERAL:
-        if f"{prefix}altitude" in dataset:
-            _lines(document, dataset, prefix, dimension)
-    ET.indent(root)
-    ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
-
-
-def _track(
-    placemark: ET.Element, dataset: "xr.Dataset", places: np.ndarray, known: np.ndarray
-) -> None:
-    """The timed track, in pieces where it crosses the date line."""
+    parent = _placemark(document, "flight")
     pieces = pieces_of(np.column_stack([places, dataset[ELAPSED].values[known]]))
-    parent = placemark
-    if len(pieces) > 1:
-        parent = _add(placemark, "MultiTrack", space=_EXTENSION)
+    if len(pieces) > 1:  # it crosses the date line
+        parent = _add(parent, "MultiTrack", space=_EXTENSION)
         _add(parent, "altitudeMode", "absolute")
     for piece in pieces:
         track = _add(parent, "Track", space=_EXTENSION)
@@ -65,19 +49,23 @@ def _track(
             _add(track, "when", f"{date}Z")
         for place in piece[:, :3]:
             _add(track, "coord", " ".join(_coordinates_text(place)), space=_EXTENSION)
-
-
-def _lines(document: ET.Element, dataset: "xr.Dataset", prefix: str, dimension: str) -> None:
-    """Lines of further flights, in a folder."""
-    folder = _add(document, "Folder")
-    _add(folder, "name", f"{dimension}s, at most {MOST_MEMBERS}")
-    for number, line in enumerate(places_of(dataset, prefix)[:MOST_MEMBERS], start=1):
-        pieces = _add(_placemark(folder, f"{dimension} {number}"), "MultiGeometry")
-        for piece in pieces_of(line[np.isfinite(line).all(axis=1)]):
-            string = _add(pieces, "LineString")
-            _add(string, "altitudeMode", "absolute")
-            text = " ".join(",".join(_coordinates_text(place)) for place in piece)
-            _add(string, "coordinates", text)
+    end = (dataset.end_longitude, dataset.end_latitude, dataset.end_altitude)
+    _point(document, "release", places[0])
+    _point(document, f"end: {dataset.attrs['end']}", np.array([float(part) for part in end]))
+    for prefix, dimension in SEVERAL:
+        if f"{prefix}altitude" not in dataset:
+            continue
+        folder = _add(document, "Folder")
+        _add(folder, "name", f"{dimension}s, at most {MOST_MEMBERS}")
+        for number, line in enumerate(places_of(dataset, prefix)[:MOST_MEMBERS], start=1):
+            lines = _add(_placemark(folder, f"{dimension} {number}"), "MultiGeometry")
+            for piece in pieces_of(line[np.isfinite(line).all(axis=1)]):
+                string = _add(lines, "LineString")
+                _add(string, "altitudeMode", "absolute")
+                text = " ".join(",".join(_coordinates_text(place)) for place in piece)
+                _add(string, "coordinates", text)
+    ET.indent(root)
+    ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
 
 
 def pieces_of(line: np.ndarray) -> list[np.ndarray]:
@@ -150,24 +138,17 @@ def write_geojson(dataset: "xr.Dataset", path: Path) -> None:
                 known = np.vstack([known, place])  # it ended between two moments
             tracks.append(feature(line(known), what="track", **about))
     begin = feature(point(places_of(dataset, "")[0]), what="release", time=date_after(dataset, 0.0))
-    features = [begin, *_areas(dataset), *tracks, *ends]
+    landings, areas = landings_of(dataset), []
+    if landings is not None:
+        for area in landings.areas:
+            rings = rings_of(*outline(landings, area))
+            polygons = [[np.round(ring, _DIGITS[0]).tolist()] for ring in rings]
+            shape = {"type": "MultiPolygon", "coordinates": polygons}
+            held = {"holds": area.share, "area_km2": area.size / 1e6}
+            areas.append(feature(shape, what="area of landings", **held))
     # Source: [RFC7946]_.
-    document = {"type": "FeatureCollection", "features": [*features]}
+    document = {"type": "FeatureCollection", "features": [begin, *areas, *tracks, *ends]}
     path.write_text(json.dumps(document, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def _areas(dataset: "xr.Dataset") -> Iterator[dict[str, Any]]:
-    """What holds shares of the landings, cut at the date line."""
-    landings = landings_of(dataset)
-    if landings is None:
-        return
-    for area in landings.areas:
-        rings = rings_of(*outline(landings, area))
-        polygons = [[np.round(ring, _DIGITS[0]).tolist()] for ring in rings]
-        about = {"holds": area.share, "area_km2": area.size / 1e6}
-        yield feature(
-            {"type": "MultiPolygon", "coordinates": polygons}, what="area of landings", **about
-        )
 
 
 def feature(geometry: dict[str, Any], **properties: Any) -> dict[str, Any]:

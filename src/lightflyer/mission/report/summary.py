@@ -39,7 +39,28 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         return _summarise_spread(dataset)
     end, events = float(dataset.end_elapsed), read_events(dataset)
     lowest, highest = (at_event(events, kind) for kind in (Event.LOWEST, Event.HIGHEST))
-    hours, nights = _light(dataset)
+    spans = day_and_night(dataset)
+    altitudes = {
+        0.0: float(dataset.altitude[0]),
+        **dict(zip(events.elapsed.tolist(), events.altitude.tolist(), strict=True)),
+        end: float(dataset.end_altitude),
+    }
+    nights = [
+        {
+            "begins": date_after(dataset, begin),
+            "ends": date_after(dataset, until),
+            "duration_h": (until - begin) / SECONDS_AN_HOUR,
+            "altitude_at_begin_km": altitudes[begin] / 1e3,
+            "altitude_at_end_km": altitudes[until] / 1e3,
+            "whole": begin > 0.0 and until < end,
+        }
+        for begin, until, is_day in spans
+        if not is_day
+    ]
+    film, highest_temperature = None, dataset.attrs.get("highest_temperature_k")
+    if highest_temperature is not None:
+        hottest = at_event(events, Event.HOTTEST)[2]
+        film = {"bears_k": highest_temperature, "hottest_k": hottest}
     found: dict[str, Any] = {
         "released": date_after(dataset, 0.0),
         "ended": date_after(dataset, end),
@@ -53,9 +74,9 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
         "lowest_at_h": lowest[0] / SECONDS_AN_HOUR,
         "highest_altitude_km": highest[1] / 1e3,
         "highest_at_h": highest[0] / SECONDS_AN_HOUR,
-        "light_h": hours,
+        "light_h": sum(until - begin for begin, until, day in spans if day) / SECONDS_AN_HOUR,
         "nights": nights,
-        "film": heat_of_film(dataset),
+        "film": film,
         "other_wind": _other_wind(dataset),
     }
     departure = summarise_transient(dataset)
@@ -71,7 +92,18 @@ def summarise(dataset: "xr.Dataset") -> dict[str, Any]:
     if landing is not None:
         found["landing"] = landing
     if "launch_end_reason" in dataset:
-        found["launches"] = _summarise_launches(dataset)
+        below = dataset.launch_altitude.min(ELAPSED).values
+        found["launches"] = [
+            {
+                "released": date_after(dataset, float(one.launch_delay)),
+                "delay_h": float(one.launch_delay) / SECONDS_AN_HOUR,
+                "end_reason": TerminationReason(int(one.launch_end_reason)).name.lower(),
+                "duration_h": float(one.launch_end_elapsed) / SECONDS_AN_HOUR,
+                "end_altitude_km": float(one.launch_end_altitude) / 1e3,
+                "lowest_altitude_km": float(below[number]) / 1e3,
+            }
+            for number, one in ((i, dataset.isel(launch=i)) for i in range(dataset.sizes["launch"]))
+        ]
     return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
 
 
@@ -100,14 +132,6 @@ def _summarise_spread(dataset: "xr.Dataset") -> dict[str, Any]:
             "distance_from_middle_km": float(last.distance) / 1e3,
         }
     return found | {name: texts_of(dataset, name) for name in ("assumptions", "warnings")}
-
-
-def heat_of_film(dataset: "xr.Dataset") -> dict[str, Any] | None:
-    """How hot the film was, and what it withstands; None where that is not stated."""
-    highest = dataset.attrs.get("highest_temperature_k")
-    if highest is None:
-        return None
-    return {"bears_k": highest, "hottest_k": at_event(read_events(dataset), Event.HOTTEST)[2]}
 
 
 def _other_wind(dataset: "xr.Dataset") -> dict[str, Any] | None:
@@ -153,31 +177,6 @@ def day_and_night(dataset: "xr.Dataset") -> list[tuple[float, float, bool]]:
     return [(begin, end, is_day) for (begin, end), is_day in spans if begin < end]
 
 
-def _light(dataset: "xr.Dataset") -> tuple[float, list[dict[str, Any]]]:
-    """Hours of light, and each night with the altitudes at its start and end."""
-    spans, events = day_and_night(dataset), read_events(dataset)
-    hours = sum(end - begin for begin, end, is_day in spans if is_day) / SECONDS_AN_HOUR
-    last = float(dataset.end_elapsed)
-    altitudes = {
-        0.0: float(dataset.altitude[0]),
-        **dict(zip(events.elapsed.tolist(), events.altitude.tolist(), strict=True)),
-        last: float(dataset.end_altitude),
-    }
-    nights = [
-        {
-            "begins": date_after(dataset, begin),
-            "ends": date_after(dataset, end),
-            "duration_h": (end - begin) / SECONDS_AN_HOUR,
-            "altitude_at_begin_km": altitudes[begin] / 1e3,
-            "altitude_at_end_km": altitudes[end] / 1e3,
-            "whole": begin > 0.0 and end < last,
-        }
-        for begin, end, is_day in spans
-        if not is_day
-    ]
-    return hours, nights
-
-
 def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
     reasons = dataset.ensemble_end_reason.values
     stated, ends = (
@@ -201,18 +200,3 @@ def _summarise_ensemble(dataset: "xr.Dataset") -> dict[str, Any]:
         within = dataset.ensemble_station_within.values
         found["within_station_h"] = interval_of(within / SECONDS_AN_HOUR)
     return found
-
-
-def _summarise_launches(dataset: "xr.Dataset") -> list[dict[str, Any]]:
-    lowest = dataset.launch_altitude.min(ELAPSED).values
-    return [
-        {
-            "released": date_after(dataset, float(dataset.launch_delay[number])),
-            "delay_h": float(dataset.launch_delay[number]) / SECONDS_AN_HOUR,
-            "end_reason": TerminationReason(int(dataset.launch_end_reason[number])).name.lower(),
-            "duration_h": float(dataset.launch_end_elapsed[number]) / SECONDS_AN_HOUR,
-            "end_altitude_km": float(dataset.launch_end_altitude[number]) / 1e3,
-            "lowest_altitude_km": float(lowest[number]) / 1e3,
-        }
-        for number in range(dataset.sizes["launch"])
-    ]

@@ -58,7 +58,20 @@ def mission_parts(dataset: "xr.Dataset") -> Parts:
     if found["nights"]:
         yield _nights(found["nights"])
     if passes:
-        yield _passes(passes)
+        titles = ["passes", "receiver", "begins", "ends", "highest [deg]", "range [km]"]
+        titles += ["margin [dB]", "bit"] * ("data_bit" in passes[0])
+        lines = [
+            (
+                one["receiver"],
+                one["begin"],
+                one["end"],
+                f"{one['highest_elevation_deg']:.1f}",
+                f"{one['nearest_km']:.0f} to {one['farthest_km']:.0f}",
+                *(f"{one[name]:.4g}" for name in ("least_margin_db", "data_bit") if name in one),
+            )
+            for one in passes
+        ]
+        yield _table(*titles, rows=lines, more=True)
     if "ensemble" in found:
         yield _ensemble(found["ensemble"])
     if "landing" in found:
@@ -182,23 +195,6 @@ def _nights(nights: list[dict[str, Any]]) -> Table:
     caption = "" if whole else "* not the whole night: the mission begins or ends in it"
     headings = "nights", "begins", "ends", "hours", "at its begin\n[km]", "at its end\n[km]"
     return _table(*headings, rows=lines, caption=caption)
-
-
-def _passes(passes: list[dict[str, Any]]) -> Table:
-    headings = ["passes", "receiver", "begins", "ends", "highest [deg]", "range [km]"]
-    headings += ["margin [dB]", "bit"] * ("data_bit" in passes[0])
-    lines = [
-        (
-            one["receiver"],
-            one["begin"],
-            one["end"],
-            f"{one['highest_elevation_deg']:.1f}",
-            f"{one['nearest_km']:.0f} to {one['farthest_km']:.0f}",
-            *(f"{one[name]:.4g}" for name in ("least_margin_db", "data_bit") if name in one),
-        )
-        for one in passes
-    ]
-    return _table(*headings, rows=lines, more=True)
 
 
 def _intervals(title: str, found: Mapping[str, Mapping[str, float]]) -> Table:

@@ -1,7 +1,7 @@
 """Drift, hanging payloads and tethered swarms over altitude."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -176,24 +176,19 @@ def table_parts(dataset: "xr.Dataset") -> Parts:
     round_ones = altitude_coordinate((low, high), high).round_points(low, high, _ROWS)
     rows = dataset.sel({ALTITUDE: round_ones})
     headings, columns = [], []
-    for words, unit, values in _shown(rows):
-        factor, shown = suitable(unit, values)
-        heading = wrap(words, _HEADING) + (f"\n[{shown}]" if shown else "")
-        headings.append(heading)
-        columns.append([f"{one * factor:.4g}" if np.isfinite(one) else "" for one in values])
-    yield table_of(headings, zip(*columns, strict=True), left=())
-    yield from map(wrap, warning_lines(dataset.attrs["warnings"].splitlines()))
-
-
-def _shown(rows: "xr.Dataset") -> Iterator[tuple[str, str, np.ndarray]]:
-    """Description, unit and values of each column of a table."""
     for name in (ALTITUDE, *rows.data_vars):
         unit, words = _COLUMNS[str(name)]
-        if rows[name].ndim == 1:
-            yield words, "" if unit == "1" else unit, rows[name].values
-        elif name == "speed":
-            for tilt in _SHOWN_TILTS:
-                yield f"speed at {tilt:g}°", unit, rows[name].sel({TILT: tilt}).values
+        found = {words: rows[name]}
+        if rows[name].ndim > 1:
+            tilts = _SHOWN_TILTS if name == "speed" else ()
+            found = {f"speed at {tilt:g}°": rows[name].sel({TILT: tilt}) for tilt in tilts}
+        for title, values in found.items():
+            factor, shown = suitable("" if unit == "1" else unit, values.values)
+            headings.append(wrap(title, _HEADING) + (f"\n[{shown}]" if shown else ""))
+            cells = (f"{one * factor:.4g}" if np.isfinite(one) else "" for one in values.values)
+            columns.append([*cells])
+    yield table_of(headings, zip(*columns, strict=True), left=())
+    yield from map(wrap, warning_lines(dataset.attrs["warnings"].splitlines()))
 
 
 def summary_of(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -208,7 +208,32 @@ def disperse_ensemble(
     warnings = [*design.warnings, *require_rule(Vehicle(setup, mission.attitude), start)]
     plan = Plan(limits, elapsed, Accuracy.for_duration(float(elapsed[-1]), mission.tolerance))
     swarm = _Swarm(design, mission, start, tuple(areas), plan)
-    counts = _count(swarm, None if folder is None else Path(folder), scheduler)
+    batches, work = range(-(-ensemble.members // MEMBERS)), None
+    if folder is not None:
+        parts = {
+            "release": start, "ensemble": ensemble, "attitude": mission.attitude,
+            "areas": swarm.areas, "altitudes": limits, "times": elapsed,
+        }  # fmt: skip
+        described = describe_work(design, parts)
+        whole = ensemble.members, ensemble.seed, plan.accuracy, MEMBERS
+        described["members, seed of the first batch, accuracy, batch"] = repr(whole)
+        work = WorkFolder(Path(folder), "spread.json", "swarm", described)
+    stored = {batch: work.read(f"batch-{batch:06d}") for batch in batches if work is not None}
+    found = {batch: Counts(**one) for batch, one in stored.items() if one is not None}
+    missing = [batch for batch in batches if batch not in found]
+    done = sum(swarm.size(batch) for batch in found)
+    counted = Counted("flying", ensemble.members, "flights", done)
+    remote = scheduler if missing else None
+    with nullcontext() if remote is None else connect_client(remote) as client:
+        flown = map(swarm, missing)
+        for batch, sums in run_on_dask(swarm, missing, client, remote) if remote else flown:
+            if work is not None:
+                work.write(f"batch-{batch:06d}", sums._asdict())
+            found[batch] = sums
+            counted.add(swarm.size(batch))
+    # in the order of the batches, so that the sums do not depend on who was first
+    ordered = [found[batch] for batch in sorted(found)]
+    counts = Counts(*(np.sum(parts, axis=0) for parts in zip(*ordered, strict=True)))
     for end in (TerminationReason.NO_DATA, TerminationReason.STEP_LIMIT):
         number = int(counts.ends[int(end)])
         if number:
@@ -225,37 +250,6 @@ def disperse_ensemble(
         "warnings": "\n".join(warnings),
     }
     return dataset
-
-
-def _count(swarm: _Swarm, folder: Path | None, scheduler: str | None) -> Counts:
-    """Sums over all batches: those that a folder has, and those that are flown now."""
-    ensemble, limits, elapsed, accuracy = swarm.ensemble, *swarm.plan
-    batches, work = range(-(-ensemble.members // MEMBERS)), None
-    if folder is not None:
-        parts = {
-            "release": swarm.start, "ensemble": ensemble, "attitude": swarm.mission.attitude,
-            "areas": swarm.areas, "altitudes": limits, "times": elapsed,
-        }  # fmt: skip
-        described = describe_work(swarm.design, parts)
-        whole = ensemble.members, ensemble.seed, accuracy, MEMBERS
-        described["members, seed of the first batch, accuracy, batch"] = repr(whole)
-        work = WorkFolder(folder, "spread.json", "swarm", described)
-    stored = {batch: work.read(f"batch-{batch:06d}") for batch in batches if work is not None}
-    found = {batch: Counts(**one) for batch, one in stored.items() if one is not None}
-    missing = [batch for batch in batches if batch not in found]
-    done = sum(swarm.size(batch) for batch in found)
-    counted = Counted("flying", ensemble.members, "flights", done)
-    remote = scheduler if missing else None
-    with nullcontext() if remote is None else connect_client(remote) as client:
-        flown = map(swarm, missing)
-        for batch, counts in run_on_dask(swarm, missing, client, remote) if remote else flown:
-            if work is not None:
-                work.write(f"batch-{batch:06d}", counts._asdict())
-            found[batch] = counts
-            counted.add(swarm.size(batch))
-    # in the order of the batches, so that the sums do not depend on who was first
-    ordered = [found[batch] for batch in sorted(found)]
-    return Counts(*(np.sum(parts, axis=0) for parts in zip(*ordered, strict=True)))
 
 
 def _dataset(swarm: _Swarm, counts: Counts) -> "xr.Dataset":

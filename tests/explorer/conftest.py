@@ -7,6 +7,7 @@ from importlib import resources
 
 import pytest
 
+from lightflyer.core.progress import report_to
 from lightflyer.explorer import jobs, server
 from lightflyer.explorer.state import Workplace, keeping_warnings
 
@@ -79,7 +80,7 @@ def site(workplace):
         service.slow.shutdown()
         service.heavy.shutdown()
 
-    with jobs.listening(), keeping_warnings():
+    with report_to(jobs.pass_on), keeping_warnings():
         thread = threading.Thread(target=lambda: asyncio.run(run()))
         thread.start()
         assert ready.wait(30)

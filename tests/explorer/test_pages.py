@@ -251,7 +251,7 @@ def test_points_are_where_their_reader_has_them(workplace, document, points_file
     document["environment"] = {
         "kind": "chamber", "temperature": "293 K", "irradiance": "1500 W/m^2",
     }  # fmt: skip
-    found = pages.points(workplace, points_file, "mine.csv", document)
+    found = pages.points(workplace, points_file.read_text(), "mine.csv", document)
     samples, _ = read_lift_offs(points_file)
     pressure = np.concatenate([one.pressure for one in samples])
     np.testing.assert_allclose(sorted(found["columns"]["x"]), np.sort(pressure), rtol=1e-12)
@@ -262,7 +262,7 @@ def test_points_are_where_their_reader_has_them(workplace, document, points_file
 def test_points_over_altitude_are_where_the_air_has_their_pressure(
     workplace, document, points_file
 ):
-    found = pages.points(workplace, points_file, "mine.csv", document)
+    found = pages.points(workplace, points_file.read_text(), "mine.csv", document)
     air = lf.Earth().state(1e3 * np.array(found["columns"]["x"]))
     samples, _ = read_lift_offs(points_file)
     np.testing.assert_allclose(

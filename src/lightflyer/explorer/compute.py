@@ -5,7 +5,7 @@ What was computed for a design is kept for a while.
 
 import math
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
@@ -91,12 +91,6 @@ def uncertainty_of(design: FileDesign) -> PredictionUncertainty | None:
     return propagate(design, prediction=prediction_of(design))
 
 
-def warm(design: FileDesign) -> None:
-    """Compute what a page asks of a design, before somebody waits for it."""
-    prediction_of(design)
-    uncertainty_of(design)
-
-
 def place_of(text: str, setup: Setup) -> float | None:
     """Coordinate that a page asks about [m]; or; ``text``: such as ``"75 km"``; empty for none."""
     where = setup.environment.coordinate
@@ -116,16 +110,37 @@ def place_of(text: str, setup: Setup) -> float | None:
 
 def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) -> list[Reading]:
     """What a prediction says in a few numbers."""
-    where = prediction.coordinate
-    _, factor = prediction.coordinate_key
+    where, verdict = prediction.coordinate, prediction.verdict
+    key, factor = prediction.coordinate_key
     spreads = {} if uncertainty is None else uncertainty.summary()["results"]
-    found = [_band(prediction, spreads), *_verdict(prediction, spreads)]
+    name, ending = f"{where.name}_band", key.removeprefix(where.name)
+    if prediction.widest is None:
+        found = [Reading(f"{name}{ending}", "levitates", "nowhere in this light", None)]
+    else:
+        low, high = (edge * factor for edge in prediction.bands[prediction.widest])
+        more = len(prediction.bands) - 1
+        label = "levitates" if not more else f"levitates (and in {more} more bands)"
+        ends = [_interval(spreads.get(f"{name}{ending}.{end}")) for end in ("lower", "upper")]
+        each = (" to ".join(_number(end, "", _INTERVAL_DIGITS) for end in pair) for pair in ends)
+        spread = f"95 %: {' and '.join(each)} {where.shown_unit}" if all(ends) else ""
+        text = f"{low:.{_DIGITS}g} to {high:.{_DIGITS}g} {where.shown_unit}"
+        found = [Reading(f"{name}{ending}", label, text, None, spread)]
+    if verdict.rest is not None:
+        at = _number(verdict.rest.coordinate * factor, where.shown_unit)
+        hot, name = verdict.rest.values["temperature"], "verdict.rest.temperature_k"
+        found.append(_reading(name, f"released, rests at {at}", hot, "K", spreads))
+    if verdict.highest_temperature is not None and prediction.bands:
+        parts = (
+            " to ".join(f"{edge * factor:.{_DIGITS}g}" for edge in part) for part in verdict.usable
+        )
+        words = " and ".join(f"{part} {where.shown_unit}" for part in parts) or "nowhere there"
+        survives = f"film survives (withstands {verdict.highest_temperature:.0f} K)"
+        found.append(Reading(f"verdict.usable_bands{ending}", survives, words, None))
     group, light = where.easiest_keys
     if prediction.easiest is not None:
         least = prediction.easiest.values["levitation_irradiance"]
         at = _number(prediction.easiest.coordinate * factor, where.shown_unit)
         found.append(_reading(f"{group}.{light}", f"least light, at {at}", least, "W/m²", spreads))
-    verdict = prediction.verdict
     place = verdict.best or prediction.best
     held = "afloat at" if verdict.carries_afloat else "at"
     best = f"{held} {_number(place.coordinate * factor, where.shown_unit)}"
@@ -180,42 +195,6 @@ _SHORT = {
     "own_mass": "flyer's mass",
     "areal_density": "areal density",
 }
-
-
-def _band(prediction: Prediction, spreads: Mapping[str, Any]) -> Reading:
-    where = prediction.coordinate
-    key, factor = prediction.coordinate_key
-    name = f"{where.name}_band{key.removeprefix(where.name)}"
-    if prediction.widest is None:
-        return Reading(name, "levitates", "nowhere in this light", None)
-    low, high = (edge * factor for edge in prediction.bands[prediction.widest])
-    more = len(prediction.bands) - 1
-    label = "levitates" if not more else f"levitates (and in {more} more bands)"
-    ends = [_interval(spreads.get(f"{name}.{end}")) for end in ("lower", "upper")]
-    spread = ""
-    if all(ends):
-        each = (" to ".join(_number(end, "", _INTERVAL_DIGITS) for end in pair) for pair in ends)
-        spread = f"95 %: {' and '.join(each)} {where.shown_unit}"
-    text = f"{low:.{_DIGITS}g} to {high:.{_DIGITS}g} {where.shown_unit}"
-    return Reading(name, label, text, None, spread)
-
-
-def _verdict(prediction: Prediction, spreads: Mapping[str, Any]) -> Iterator[Reading]:
-    """Where it comes to rest and how hot it is there, and where its film survives."""
-    verdict, where = prediction.verdict, prediction.coordinate
-    key, factor = prediction.coordinate_key
-    if verdict.rest is not None:
-        at = _number(verdict.rest.coordinate * factor, where.shown_unit)
-        hot = verdict.rest.values["temperature"]
-        yield _reading("verdict.rest.temperature_k", f"released, rests at {at}", hot, "K", spreads)
-    if verdict.highest_temperature is not None and prediction.bands:
-        parts = (
-            " to ".join(f"{edge * factor:.{_DIGITS}g}" for edge in part) for part in verdict.usable
-        )
-        words = " and ".join(f"{part} {where.shown_unit}" for part in parts) or "nowhere there"
-        name = f"verdict.usable_bands{key.removeprefix(where.name)}"
-        survives = f"film survives (withstands {verdict.highest_temperature:.0f} K)"
-        yield Reading(name, survives, words, None)
 
 
 def _reading(

@@ -113,38 +113,44 @@ def switch_alternative(document: Document, name: str, tag: str) -> Document:
         place.pop(last, None)
     else:
         place[last] = _content(kind, tag, place.get(last) or {})
-    return _fitting(changed) if name == "flyer" else changed
+    if name != "flyer":
+        return changed
+    flyer = FlyerSection.alternatives[FlyerSection.tag_of(changed["flyer"])]
+    assert issubclass(flyer, FlyerSection)  # an alternative of that base
+    if not flyer.needs_film:
+        changed.pop("film", None)
+    elif "film" not in changed:
+        with_film = (t.document for t in templates().values() if "film" in t.document)
+        changed["film"] = plain(deepcopy(next(with_film)["film"]))
+    force = changed.get("force")
+    if isinstance(force, Mapping) and str(force.get("model", "")) not in models_for(flyer):
+        changed["force"] = {"model": flyer.default_model}
+    return changed
 
 
 def _section_kind(document: Document, name: str, tag: str) -> type[Section] | None:
+    """Class of another alternative of a section, which an outer section of the document has."""
     if not tag:
         return None
-    for kind in _candidates(document, name):
+    first, *inner = name.split(".")
+    kinds = kinds_of_part(first) if first in (*BASES, "payload", MISSION) else []
+    content = document.get(first)
+    for key in inner:
+        owners = ((kind, base_of(kind)) for kind in kinds if key in kind.model_fields)
+        kinds = [
+            found
+            for kind, base in owners
+            if base is None or base.tag_of(content) == kind.tag()  # type: ignore[attr-defined]
+            for found in sections_in(kind.model_fields[key].annotation)
+        ]
+        content = content.get(key) if isinstance(content, Mapping) else None
+    for kind in kinds:
         base = base_of(kind)
         if base is None and tag == "given":
             return kind
         if base is not None and tag in base.alternatives:
             return base.alternatives[tag]
     raise ConfigurationError(f"{name} has no alternative {tag[:60]}")
-
-
-def _candidates(document: Document, name: str) -> list[type[Section]]:
-    first, *inner = name.split(".")
-    if first not in (*BASES, "payload", MISSION):
-        return []
-    kinds, content = kinds_of_part(first), document.get(first)
-    for key in inner:
-        kinds = [kind for kind in kinds if key in kind.model_fields and _is_chosen(kind, content)]
-        kinds = [
-            found for kind in kinds for found in sections_in(kind.model_fields[key].annotation)
-        ]
-        content = content.get(key) if isinstance(content, Mapping) else None
-    return kinds
-
-
-def _is_chosen(kind: type[Section], content: Any) -> bool:
-    base = base_of(kind)
-    return base is None or base.tag_of(content) == kind.tag()  # type: ignore[attr-defined]
 
 
 def _content(kind: type[Section], tag: str, before: Mapping[str, Any]) -> dict[str, Any]:
@@ -176,21 +182,6 @@ def _content(kind: type[Section], tag: str, before: Mapping[str, Any]) -> dict[s
             start = {} if sections_in(info.annotation) else plain(example(kind, key))
             content |= {} if start is None else {key: start}
     return content
-
-
-def _fitting(document: Document) -> Document:
-    """The document with a film where its flyer needs one, and a force model that is for it."""
-    kind = FlyerSection.alternatives[FlyerSection.tag_of(document["flyer"])]
-    assert issubclass(kind, FlyerSection)  # an alternative of that base
-    if not kind.needs_film:
-        document.pop("film", None)
-    elif "film" not in document:
-        with_film = (t.document for t in templates().values() if "film" in t.document)
-        document["film"] = plain(deepcopy(next(with_film)["film"]))
-    force = document.get("force")
-    if isinstance(force, Mapping) and str(force.get("model", "")) not in models_for(kind):
-        document["force"] = {"model": kind.default_model}
-    return document
 
 
 def value_at(document: Document, name: str) -> Any:

@@ -1,9 +1,9 @@
 """Figures for print: those of the package, and those that only the explorer has."""
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -76,7 +76,12 @@ def _map(workplace: Workplace, document: Document, choices: Choices) -> "Figure"
     values = cells["value"].reshape(x.size, y.size).T
     drawn = axes.pcolormesh(x, y, values, cmap="cividis", shading="nearest", rasterized=True)
     figure.colorbar(drawn, label=f"largest payload [{data['shown']}]")
-    _scales(axes, data)
+    axes.set_xscale("log")
+    plain_decades(axes.xaxis)
+    if data["logarithmic"]:
+        axes.set_yscale("log")
+        plain_decades(axes.yaxis)
+    axes.set(xlim=data["x"], ylim=data["y"], xlabel=data["labels"][0], ylabel=data["labels"][1])
     for source, marker, colour, label in (
         ("best", "*", ORANGE, "optimum"),
         ("here", "x", VERMILION, "this design"),
@@ -85,18 +90,6 @@ def _map(workplace: Workplace, document: Document, choices: Choices) -> "Figure"
         axes.plot(place["x"], place["y"], marker, color=colour, ms=11, label=label)
     legend_below(axes)
     return figure
-
-
-def _scales(axes: Any, data: Mapping[str, Any]) -> None:
-    axes.set_xscale("log")
-    plain_decades(axes.xaxis)
-    if data["logarithmic"]:
-        axes.set_yscale("log")
-        plain_decades(axes.yaxis)
-    axes.set_xlim(*data["x"])
-    axes.set_ylim(*data["y"])
-    axes.set_xlabel(data["labels"][0])
-    axes.set_ylabel(data["labels"][1])
 
 
 def _sensitivity(workplace: Workplace, document: Document, choices: Choices) -> "Figure":

@@ -9,6 +9,7 @@ import datetime
 import re
 import tomllib
 import types
+from contextlib import suppress
 from functools import cache
 from importlib import resources
 from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
@@ -91,7 +92,23 @@ def hints() -> dict[tuple[str, str], Hint]:
     }
     for _, text in _texts():
         document = tomllib.loads(text)
-        for (section, key), hint in _hints_of(text).items():
+        words: dict[tuple[str, str], Hint] = {}
+        section, last = "", None
+        for line in text.splitlines():
+            header, entry, more = _HEADER.match(line), _ENTRY.match(line), _CONTINUED.match(line)
+            if header:
+                section, last = header[1], None
+            elif more and last:
+                words[last] = words[last]._replace(words=f"{words[last].words} {more[1]}")
+            else:
+                last = None
+                # where it is no value it is the beginning of a list, or words
+                with suppress(tomllib.TOMLDecodeError):
+                    if entry and section:
+                        value = tomllib.loads(f"value = {entry[2]}")["value"]
+                        last = section, entry[1]
+                        words[last] = Hint((entry[3] or "").removeprefix(_GUESS), value)
+        for (section, key), hint in words.items():
             if section.partition(".")[0] == MISSION:
                 kind = of_mission.get(section)
             elif section.startswith("flyer."):  # a film within a flyer has words for it alone
@@ -131,32 +148,6 @@ def _texts() -> list[tuple[str, str]]:
     ]
     mission = (folder / f"{MISSION}{_SUFFIX}").read_text("utf-8")
     return [*sorted(texts, key=lambda entry: entry[0] != _FIRST), (MISSION, mission)]
-
-
-def _hints_of(text: str) -> dict[tuple[str, str], Hint]:
-    found: dict[tuple[str, str], Hint] = {}
-    section, last = "", None
-    for line in text.splitlines():
-        header, entry, more = _HEADER.match(line), _ENTRY.match(line), _CONTINUED.match(line)
-        if header:
-            section, last = header[1], None
-        elif more and last:
-            found[last] = found[last]._replace(words=f"{found[last].words} {more[1]}")
-        elif entry and section:
-            example = _example(entry[2])
-            last = None if example is None else (section, entry[1])
-            if last:
-                found[last] = Hint((entry[3] or "").removeprefix(_GUESS), example)
-        else:
-            last = None
-    return found
-
-
-def _example(value: str) -> Any:
-    try:
-        return tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return None  # the beginning of a list, or words
 
 
 def grammar() -> dict[str, Any]:
@@ -254,11 +245,16 @@ def _kind_of(
     if kinds:
         many = any(get_origin(part) is tuple for part in (annotation, *get_args(annotation)))
         return {"kind": "list" if many else "section", **_reference(kinds, sections)}
-    choices = [choice for part in _members(annotation) for choice in _literals(part)]
+    members, choices = _members(annotation), list[str]()
+    for part in members:
+        if get_origin(part) is Literal:
+            choices += map(str, get_args(part))
+        else:  # words that it allows, none where it allows others
+            named = (one for one in get_args(part) if isinstance(one, OneOf))
+            choices += next((one.registry for one in named), ())
     shown = "" if default is None or info.is_required() else str(default)
     if choices:
         return {"kind": "choice", "choices": choices, "default": shown}
-    members = _members(annotation)
     if bool in members:
         return {"kind": "choice", "choices": ["true", "false"], "default": shown.lower()}
     if datetime.datetime in members:
@@ -272,11 +268,3 @@ def _members(annotation: Any) -> tuple[Any, ...]:
     if get_origin(annotation) in (Union, types.UnionType):
         return tuple(part for part in get_args(annotation) if part is not types.NoneType)
     return (annotation,)
-
-
-def _literals(annotation: Any) -> tuple[str, ...]:
-    """Words that a type allows, empty where it allows others."""
-    if get_origin(annotation) is Literal:
-        return tuple(map(str, get_args(annotation)))
-    named = (part for part in get_args(annotation) if isinstance(part, OneOf))
-    return next((tuple(one.registry) for one in named), ())

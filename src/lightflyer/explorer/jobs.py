@@ -5,8 +5,7 @@ its figure with what a reader must know.
 """
 
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from lightflyer.comparison.comparison import FEWEST, side_by_side
 from lightflyer.config.flyer_file import FileDesign, models_for
 from lightflyer.core.errors import ConfigurationError, LightflyerError
-from lightflyer.core.progress import Step, report, report_to
+from lightflyer.core.progress import Step, report
 from lightflyer.explorer import view
 from lightflyer.explorer.compute import (
     coordinate_factor,
@@ -53,36 +52,14 @@ class StoppedError(Exception):
     """The page no longer wants the result."""
 
 
-class Listeners:
-    """Lets several threads report their steps, each to its own listener."""
-
-    def __init__(self) -> None:
-        self._here = threading.local()
-
-    def __call__(self, step: Step) -> None:
-        """Pass a step on to whoever listens in this thread."""
-        listener = getattr(self._here, "listener", None)
-        if listener is not None:
-            listener(step)
-
-    @contextmanager
-    def within(self, listener: Callable[[Step], None]) -> Iterator[None]:
-        """Have the steps of this thread passed to a function within the block."""
-        self._here.listener = listener
-        try:
-            yield
-        finally:
-            self._here.listener = None
+_HERE = threading.local()
 
 
-LISTENERS = Listeners()  # Where all steps of jobs go, once :func:`listening` has begun
-
-
-@contextmanager
-def listening() -> Iterator[None]:
-    """Pass the steps of long work on to the jobs that do it, for as long as the server runs."""
-    with report_to(LISTENERS):
-        yield
+def pass_on(step: Step) -> None:
+    """Tell a step to the job of this thread; for as long as the server runs steps come here."""
+    listener = getattr(_HERE, "listener", None)
+    if listener is not None:
+        listener(step)
 
 
 def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
@@ -362,8 +339,14 @@ def _track(dataset: Any) -> dict[str, Any]:
         for line in zip(*(values[:MOST_LINES] for values in ensemble), strict=True):
             for column, values in zip(way.values(), shown.line(*line), strict=True):
                 column.append(values)
-    near = [_within(line, shown) for line in shores(dataset)] or [(np.empty(0), np.empty(0))]
-    shore_x, shore_y = (np.concatenate(values) for values in zip(*near, strict=True))
+    room, coast = _ROOM * (shown.east - shown.west), [np.empty((2, 0))]
+    for line in shores(dataset):
+        x, y = np.pad(line, [(0, 0), (0, 1)], constant_values=np.nan)
+        inside = (x > shown.west - room) & (x < shown.east + room)
+        inside &= (y > shown.south - room) & (y < shown.north + room)
+        kept = inside | np.roll(inside, 1)  # with a gap where it leaves
+        coast.append(np.stack([np.where(inside, x, np.nan), y])[:, kept])
+    shore_x, shore_y = np.concatenate(coast, axis=1)
     placed = shown.points(longitude)
     jumps = np.abs(np.diff(placed, prepend=placed[:1])) > _HALF_TURN
     times = np.datetime_as_string(dataset.time.values, unit="m")
@@ -387,16 +370,6 @@ def _track(dataset: Any) -> dict[str, Any]:
         words=f"From {start} to {describe_place(*ends[::-1])}.",
         latitude=view.plain_list(latitude),
     )
-
-
-def _within(line: tuple[np.ndarray, np.ndarray], shown: Any) -> tuple[np.ndarray, np.ndarray]:
-    """What a map shows of a line, with a gap where it leaves."""
-    x, y = (np.append(values, np.nan) for values in line)
-    room = _ROOM * (shown.east - shown.west)
-    inside = (x > shown.west - room) & (x < shown.east + room)
-    inside &= (y > shown.south - room) & (y < shown.north + room)
-    kept = inside | np.roll(inside, 1)
-    return np.where(inside, x, np.nan)[kept], y[kept]
 
 
 JOBS: dict[str, Callable[[Workplace, Document, Choices], dict[str, Any]]] = {
@@ -425,5 +398,8 @@ def run(
             raise StoppedError
         tell(step)
 
-    with LISTENERS.within(listener):
+    _HERE.listener = listener
+    try:
         return JOBS[name](workplace, document, choices)
+    finally:
+        _HERE.listener = None

@@ -13,9 +13,8 @@ from lightflyer.core.units import scale_and_offset
 from lightflyer.design.diagnostics import diagnose_at, diagnose_force
 from lightflyer.design.outputs import OUTPUTS
 from lightflyer.design.setup import Setup
-from lightflyer.environment.base import Coordinate
 from lightflyer.explorer import view
-from lightflyer.explorer.compute import Quick, coordinate_factor, prediction_of, pretty_unit
+from lightflyer.explorer.compute import coordinate_factor, prediction_of, pretty_unit
 from lightflyer.explorer.state import Document, Workplace
 from lightflyer.files.palette import BLUE, ORANGE, VERMILION
 from lightflyer.prediction.evaluator import POINTS, Evaluator
@@ -67,7 +66,16 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
     over = choices.over if choices.over in known else next(iter(known))
     (low, below), (high, above) = _ends(design, over, known[over])
     values = np.geomspace(low, high, MAP_COLUMNS)
-    coordinates = _map_coordinates(design)
+    # coordinates around those at which the design itself nearly flies
+    prediction = prediction_of(design)
+    where, (near, far) = prediction.coordinate, view.shown_range(prediction)
+    first, last = float(prediction.coordinates[0]), float(prediction.coordinates[-1])
+    if where.logarithmic:
+        reach = (far / near) ** _AROUND
+        coordinates = np.geomspace(max(near / reach, first), min(far * reach, last), POINTS)
+    else:
+        reach = _AROUND * (far - near)
+        coordinates = np.linspace(max(near - reach, first), min(far + reach, last), POINTS)
     columns = []
     for done, value in enumerate(values):
         report("computing the map", done, MAP_COLUMNS, "designs")
@@ -75,18 +83,45 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
         columns.append(_usable_payload(moved, coordinates))
     payload = np.stack(columns)
     best = _refine(design, over, values, coordinates, payload)
-    where = design.setup.environment.coordinate
-    unit = _shown_unit(known[over].unit, values)
-    across = scale_and_offset(known[over].unit, unit)[0]
-    scales = _Scales(
-        across, unit, coordinate_factor(where), *OUTPUTS["payload"].display_unit_for(best[2])
-    )
-    cells = _cells(values, coordinates, payload, scales, logarithmic=where.logarithmic)
-    own = float(design.number(over) or 0.0), prediction_of(design).best.coordinate
+    unit = known[over].unit
+    if unit == _LENGTH:  # one in which values have few digits
+        sizes = (("m", 0.5), ("cm", 5e-3), ("mm", 5e-4), ("um", 5e-7))
+        middle = float(np.sqrt(values[0] * values[-1]))
+        unit = next((name for name, size in sizes if middle >= size), "nm")
+    across, up = scale_and_offset(known[over].unit, unit)[0], coordinate_factor(where)
+    scale, payload_unit = OUTPUTS["payload"].display_unit_for(best[2])
+    # cells of the map, a column after the other; those that lift nothing have no value
+    chosen = np.arange(0, coordinates.size, _EVERY)
+    x, y = values * across, coordinates[chosen] * up
+    sides = np.exp(_edges(np.log(x)))
+    levels = np.exp(_edges(np.log(y))) if where.logarithmic else _edges(y)
+    lifted = np.where(payload > 0.0, payload, np.nan)[:, chosen] * scale
+    cells = {
+        "left": np.repeat(sides[:-1], y.size),
+        "right": np.repeat(sides[1:], y.size),
+        "bottom": np.tile(levels[:-1], x.size),
+        "top": np.tile(levels[1:], x.size),
+        "x": np.repeat(x, y.size),
+        "y": np.tile(y, x.size),
+        "value": lifted.ravel(),
+    }
+    own = float(design.number(over) or 0.0), prediction.best.coordinate
     places = {
-        name: {"x": np.array([place[0] * across]), "y": np.array([place[1] * scales.up])}
+        name: {"x": np.array([place[0] * across]), "y": np.array([place[1] * up])}
         for name, place in (("best", best), ("here", own))
     }
+    words = "No design of this map lifts anything; the star is where least is missing."
+    if best[2] > 0.0:
+        words = (
+            f"Largest payload: {best[2] * scale:.4g} {payload_unit} at "
+            f"{f'{best[0] * across:.4g} {unit}'.rstrip()} and "
+            f"{best[1] * up:.4g} {where.shown_unit}."
+        )
+        at_ends = best[0] <= values[0] * (1.0 + _END), best[0] >= values[-1] * (1.0 - _END)
+        for at_end, limit in zip(at_ends, (below, above), strict=True):
+            if at_end:
+                more = "none can be built" if limit else "may be more"
+                words += f" It is at the end of the map: beyond {more}."
     # what the optimum's reader must know; elsewhere on the map nobody has looked
     optimum, at_best = design.build({over: best[0]}), np.array([best[1]])
     table = Evaluator(optimum)(at_best)
@@ -100,8 +135,8 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
         y=(float(cells["bottom"][0]), float(cells["top"][-1])),
         labels=(f"{words_of(over)}{f' [{pretty_unit(unit)}]' if unit else ''}",
                 view.axis_label(where)),
-        colours={"low": 0.0, "high": max(best[2] * scales.payload, _LEAST)},
-        words=_words_of_optimum(best, values, (below, above), scales, where),
+        colours={"low": 0.0, "high": max(best[2] * scale, _LEAST)},
+        words=words,
         warnings=[
             *(f"at the optimum: {text}" for text in found),
             "whether models are within their range is checked at the optimum only",
@@ -110,15 +145,15 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
         ],
         numbers=list(known),
         over=over,
-        shown=scales.payload_unit,
+        shown=payload_unit,
         unit=unit,
         place_unit=where.shown_unit,
         logarithmic=where.logarithmic,
         best=list(best),
         across=across,
-        up=scales.up,
+        up=up,
         legend=(
-            view.Line(f"colour: largest payload that the film survives [{scales.payload_unit}]",
+            view.Line(f"colour: largest payload that the film survives [{payload_unit}]",
                       BLUE, "area"),
             view.Line("star: optimum", ORANGE, "star"),
             view.Line("cross: this design", VERMILION, "cross"),
@@ -126,7 +161,7 @@ def payload_map(workplace: Workplace, document: Document, choices: Choices) -> d
         tips=[
             (words_of(over), f"@x{{0.0000}} {unit}"),
             (where.name, f"@y{{0.00}} {where.shown_unit}"),
-            ("payload", f"@value{{0.0000}} {scales.payload_unit}"),
+            ("payload", f"@value{{0.0000}} {payload_unit}"),
         ],
     )  # fmt: skip
 
@@ -168,19 +203,6 @@ def _mistake(design: FileDesign, over: str, value: float) -> str:
     return ""
 
 
-def _map_coordinates(design: FileDesign) -> np.ndarray:
-    """Coordinates around those at which the design itself nearly flies."""
-    prediction = prediction_of(design)
-    found = Quick(prediction.setup, prediction.coordinates, prediction.table)
-    where, (low, high) = prediction.coordinate, view.shown_range(found)
-    first, last = float(found.coordinates[0]), float(found.coordinates[-1])
-    if where.logarithmic:
-        reach = (high / low) ** _AROUND
-        return np.geomspace(max(low / reach, first), min(high * reach, last), POINTS)
-    reach = _AROUND * (high - low)
-    return np.linspace(max(low - reach, first), min(high + reach, last), POINTS)
-
-
 def _refine(
     design: FileDesign,
     over: str,
@@ -203,78 +225,10 @@ def _refine(
     return float(values[column]), float(coordinates[row]), float(np.nan_to_num(closer[column, row]))
 
 
-class _Scales(NamedTuple):
-    """Units in which a map is shown: factors from SI units, and names."""
-
-    across: float
-    unit: str
-    up: float
-    payload: float
-    payload_unit: str
-
-
-def _cells(
-    values: np.ndarray,
-    coordinates: np.ndarray,
-    payload: np.ndarray,
-    scales: _Scales,
-    *,
-    logarithmic: bool,
-) -> dict[str, np.ndarray]:
-    """Cells of the map, a column after the other; those that lift nothing have no value."""
-    chosen = np.arange(0, coordinates.size, _EVERY)
-    x, y = values * scales.across, coordinates[chosen] * scales.up
-    left_right = np.exp(_edges(np.log(x)))
-    below_above = np.exp(_edges(np.log(y))) if logarithmic else _edges(y)
-    lifted = np.where(payload > 0.0, payload, np.nan)[:, chosen] * scales.payload
-    return {
-        "left": np.repeat(left_right[:-1], y.size),
-        "right": np.repeat(left_right[1:], y.size),
-        "bottom": np.tile(below_above[:-1], x.size),
-        "top": np.tile(below_above[1:], x.size),
-        "x": np.repeat(x, y.size),
-        "y": np.tile(y, x.size),
-        "value": lifted.ravel(),
-    }
-
-
-def _words_of_optimum(
-    best: tuple[float, float, float],
-    values: np.ndarray,
-    limits: tuple[str, str],
-    scales: _Scales,
-    where: Coordinate,
-) -> str:
-    if best[2] <= 0.0:
-        return "No design of this map lifts anything; the star is where least is missing."
-    size = f"{best[0] * scales.across:.4g} {scales.unit}".rstrip()
-    words = (
-        f"Largest payload: {best[2] * scales.payload:.4g} {scales.payload_unit} at {size} and "
-        f"{best[1] * scales.up:.4g} {where.shown_unit}."
-    )
-    at_ends = best[0] <= values[0] * (1.0 + _END), best[0] >= values[-1] * (1.0 - _END)
-    for at_end, limit in zip(at_ends, limits, strict=True):
-        if at_end:
-            more = "none can be built" if limit else "may be more"
-            words += f" It is at the end of the map: beyond {more}."
-    return words
-
-
 def _edges(centres: np.ndarray) -> np.ndarray:
     """Edges of cells around evenly spaced centres."""
     half = 0.5 * (centres[1] - centres[0])
     return np.concatenate([centres - half, [centres[-1] + half]])
-
-
-def _shown_unit(unit: str, values: np.ndarray) -> str:
-    """A unit in which values have few digits: of lengths alone."""
-    if unit != _LENGTH:
-        return unit
-    middle = float(np.sqrt(values[0] * values[-1]))
-    for candidate, size in (("m", 0.5), ("cm", 5e-3), ("mm", 5e-4), ("um", 5e-7)):
-        if middle >= size:
-            return candidate
-    return "nm"
 
 
 def words_of(name: str) -> str:

@@ -1,6 +1,7 @@
 """What the page asks for and gets: one function for each question, from JSON to JSON."""
 
 import re
+import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -14,17 +15,14 @@ from lightflyer.config.flyer_file import FileDesign, models_for
 from lightflyer.core.errors import ConfigurationError, LightflyerError
 from lightflyer.explorer import view
 from lightflyer.explorer.compute import (
-    Quick,
     coordinate_factor,
     place_of,
     prediction_of,
     quick,
     readings,
+    uncertainty_of,
     values_at,
     verdict_of,
-)
-from lightflyer.explorer.compute import (
-    warm as warm_up,
 )
 from lightflyer.explorer.editing import python_lines, sliders, switch_alternative
 from lightflyer.explorer.grammar import MISSION, grammar, templates
@@ -39,6 +37,7 @@ from lightflyer.explorer.state import (
     tags_of,
     to_toml,
     to_url,
+    walk,
 )
 from lightflyer.files.palette import ON_PAGES, SERIES_ON_DARK
 from lightflyer.flyer.base import FlyerSection
@@ -135,20 +134,14 @@ def _switch(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """The document with another alternative of a section."""
     section, tag = str(content.get("section", "")), str(content.get("tag", ""))
     changed = switch_alternative(document_of(content), section, tag)
-    if section == MISSION and tag:
-        _begin_at_best(workplace, changed)
+    if section == MISSION and tag:  # released where it flies best, under the sun of its place
+        for key in ("irradiance", "incidence"):
+            changed.get("environment", {}).pop(key, None)
+        found = prediction_of(workplace.design(changed))
+        if found.bands and found.coordinate.name == "altitude":
+            best = found.verdict.best or found.best
+            changed[MISSION]["altitude"] = f"{best.coordinate / _KILOMETRE:.1f} km"
     return _form_of(changed)
-
-
-def _begin_at_best(workplace: Workplace, document: Document) -> None:
-    """Release a flyer where it flies best, under the sun of its date and place."""
-    for key in ("irradiance", "incidence"):
-        document.get("environment", {}).pop(key, None)
-    design = workplace.design({k: v for k, v in document.items() if k != MISSION})
-    found = prediction_of(design)
-    if found.bands and found.coordinate.name == "altitude":
-        best = found.verdict.best or found.best
-        document[MISSION]["altitude"] = f"{best.coordinate / _KILOMETRE:.1f} km"
 
 
 def _view_of(content: Mapping[str, Any]) -> View:
@@ -163,12 +156,15 @@ def _move(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """What follows a slider: curves, ends of sliders, address; or what is wrong."""
     shown = _view_of(content)
     answer: Answer = {"url": to_url(shown), "tags": tags_of(shown.document)}
-    design, wrong = _check(workplace, shown.document)
-    if wrong or design is None:
-        return answer | {"errors": wrong}
+    mission = None
+    try:
+        design = workplace.design(shown.document)
+        if MISSION in shown.document:
+            mission = workplace.mission(shown.document).section
+    except LightflyerError as error:
+        return answer | {"errors": mistakes(str(error))}
     where = design.setup.environment.coordinate
     found = quick(design)
-    mission = workplace.mission(shown.document).section if MISSION in shown.document else None
     ends = sliders(design, shown.document, mission)
     answer |= {
         "errors": [],
@@ -196,31 +192,11 @@ def _place(design: FileDesign, place: float) -> Answer:
     return {"x": place * coordinate_factor(design.setup.environment.coordinate), "rows": rows}
 
 
-def _check(
-    workplace: Workplace, document: Document
-) -> tuple[FileDesign | None, list[dict[str, str]]]:
-    """The design, and what is wrong with the document, its mission included."""
-    wrong: list[dict[str, str]] = []
-    design = None
-    try:
-        design = workplace.design(document)
-    except LightflyerError as error:
-        wrong += mistakes(str(error))
-    if MISSION in document and not wrong:
-        try:
-            workplace.mission(document)
-        except LightflyerError as error:
-            wrong += mistakes(str(error))
-            design = None
-    return design, wrong
-
-
 def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     """The whole prediction, where a slider has come to rest."""
     document = document_of(content)
     design = workplace.design(document)
     prediction = prediction_of(design)
-    found = Quick(prediction.setup, prediction.coordinates, prediction.table)
     uncertain = bool(design.file.uncertainties() or design.data_bounds())
     return {
         "summary": prediction.summary(),
@@ -228,7 +204,7 @@ def _predict(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
         "verdict": verdict_of(prediction, None, to_be_sampled=uncertain),
         "figures": view.marks(prediction),
         "place": _place(design, (prediction.verdict.best or prediction.best).coordinate),
-        "rows": view.rows(found),
+        "rows": view.rows(prediction),
         "assumptions": list(prediction.assumptions),
         "warnings": [*workplace.diagnostics(document), *prediction.other_warnings],
         "description": f"{prediction.setup.flyer.describe()}, "
@@ -248,58 +224,48 @@ def _pins(workplace: Workplace, content: Mapping[str, Any]) -> Answer:
     where = found[0].coordinate
     same = [one.coordinate.name == where.name for one in found]
     sources: dict[str, dict[str, list[Any]]] = {
-        figure: {"xs": [], "ys": [], "colour": []} for figure in _PINNED
+        figure: {"xs": [], "ys": [], "colour": []} for figure in view.OVER_COORDINATE
     }
     for one, fits, colour in zip(found[1:], same[1:], view.PIN_COLOURS, strict=False):
         if not fits:
             continue
         x = view.plain_list(one.coordinates * coordinate_factor(where))
-        for figure, output in _PINNED.items():
+        for figure, output in view.OVER_COORDINATE.items():
             factor = scale if figure == "payload" else 1.0
             sources[figure]["xs"].append(x)
             sources[figure]["ys"].append(view.plain_list(one.table[output] * factor))
             sources[figure]["colour"].append(colour)
     results = [[asdict(one) for one in readings(one_found, None)] for one_found in found]
+    flat = [
+        {
+            name: str(entry)
+            for name, entry in walk(document)
+            if entry not in ("", None) and not isinstance(entry, dict | list)
+        }
+        for document in (shown.document, *shown.pins)
+    ]
+    keys = dict.fromkeys(key for one in flat for key in one if not key.startswith(f"{MISSION}."))
+    values = {key: [one.get(key, "–") for one in flat] for key in keys}
     return {
         "figures": {name: {"sources": {"pins": columns}} for name, columns in sources.items()},
         "results": results,
-        "differences": _differences((shown.document, *shown.pins)),
+        "differences": [
+            {"key": key, "values": texts} for key, texts in values.items() if len(set(texts)) > 1
+        ],
         "warnings": [] if all(same) else ["designs over pressure and over altitude: not drawn"],
     }
 
 
-_PINNED = {
-    "irradiance": "levitation_irradiance",
-    "temperature": "temperature",
-    "payload": "payload",
-}
-
-
-def _differences(documents: tuple[Document, ...]) -> list[dict[str, Any]]:
-    """Keys in which documents differ, with the texts of each."""
-    flat = [dict(_flatten(document)) for document in documents]
-    keys = dict.fromkeys(key for one in flat for key in one if not key.startswith(f"{MISSION}."))
-    rows = ({"key": key, "values": [one.get(key, "–") for one in flat]} for key in keys)
-    return [row for row in rows if len(set(row["values"])) > 1]
-
-
-def _flatten(content: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    found = []
-    for key, entry in content.items():
-        if isinstance(entry, Mapping):
-            found += _flatten(entry, f"{prefix}{key}.")
-        elif isinstance(entry, list):
-            found += _flatten(
-                {str(index): part for index, part in enumerate(entry)}, prefix=f"{prefix}{key}."
-            )
-        elif entry not in ("", None):
-            found.append((f"{prefix}{key}", str(entry)))
-    return found
-
-
-def points(workplace: Workplace, path: Path, name: str, document: Any) -> Answer:
+def points(workplace: Workplace, text: str, name: str, document: Any) -> Answer:
     """Levitation points of a file, placed on the figure of the irradiance."""
-    found = read_points(path)
+    name = Path(name).name or "points.csv"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "points.csv")
+        path.write_text(text, encoding="utf-8", errors="replace")
+        try:
+            found = read_points(path)
+        except LightflyerError as error:
+            raise ConfigurationError(str(error).replace(str(path), name)) from None
     require_document(document)
     design = workplace.design(document)
     where = design.setup.environment.coordinate
@@ -337,4 +303,6 @@ ANSWERS: dict[str, Callable[[Workplace, Mapping[str, Any]], Answer]] = {
 
 def warm(workplace: Workplace) -> None:
     """Compute the first design, before a page asks for it."""
-    warm_up(workplace.design(workplace.initial))
+    design = workplace.design(workplace.initial)
+    prediction_of(design)
+    uncertainty_of(design)

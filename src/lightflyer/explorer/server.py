@@ -15,11 +15,10 @@ import os
 import secrets
 import socket
 import sys
-import tempfile
 import threading
 import traceback
 from collections import Counter
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
@@ -32,8 +31,8 @@ import tornado.iostream
 import tornado.web
 
 import lightflyer
-from lightflyer.core.errors import ConfigurationError, LightflyerError, OutputError
-from lightflyer.core.progress import Step
+from lightflyer.core.errors import LightflyerError, OutputError
+from lightflyer.core.progress import Step, report_to
 from lightflyer.explorer import jobs, pages
 from lightflyer.explorer.editing import download
 from lightflyer.explorer.maps import Choices
@@ -105,31 +104,28 @@ class Service:
             raise tornado.web.HTTPError(429)
         self.pending[pool] += 1
         done = asyncio.get_running_loop().run_in_executor(pool, work)
-        done.add_done_callback(lambda _: self._finished(pool))
+
+        def finished(_: Any) -> None:
+            self.pending[pool] -= 1
+            idle = pool is not self.quick and not self.pending[pool]
+            if idle and sys.platform == "linux":
+                # GNU's allocator keeps up to 200 MB of what big work has freed
+                with contextlib.suppress(AttributeError):  # another C library
+                    ctypes.CDLL(None).malloc_trim(0)
+
+        done.add_done_callback(finished)
         return done
 
-    def _finished(self, pool: ThreadPoolExecutor) -> None:
-        self.pending[pool] -= 1
-        if pool is not self.quick and not self.pending[pool]:
-            _give_back_memory()
 
-
-def _give_back_memory() -> None:
-    """Return what big work has freed to the system: GNU's allocator keeps up to 200 MB of it."""
-    if sys.platform == "linux":
-        with contextlib.suppress(AttributeError):  # another C library
-            ctypes.CDLL(None).malloc_trim(0)
-
-
-class _Handler(tornado.web.RequestHandler):
-    """Refuses strangers, and answers mistakes in words."""
+class _Guarded(tornado.web.RequestHandler):
+    """Refuses strangers."""
 
     service: Service
 
-    def initialize(self, service: Service) -> None:
+    def initialize(self, service: Service, **more: Any) -> None:
         """Take what the handlers share."""
-        self.service, self.gone = service, threading.Event()
-        self.heavy = False
+        self.service, self.gone, self.heavy = service, threading.Event(), False
+        super().initialize(**more)
 
     def set_default_headers(self) -> None:
         """Say what browsers may do with an answer."""
@@ -139,7 +135,25 @@ class _Handler(tornado.web.RequestHandler):
 
     def prepare(self) -> None:
         """Refuse another host's name, which may be a stranger's for this address, and origins."""
-        _require_own(self, self.service)
+        request, origins = self.request, self.service.origins
+        own = request.host.lower() in origins
+        origin = request.headers.get("Origin")
+        known = origin is None or origin.lower() in {f"http://{host}" for host in origins}
+        site = request.headers.get("Sec-Fetch-Site", "none")
+        visits = request.headers.get("Sec-Fetch-Mode", "navigate") == "navigate"
+        strange = site not in ("none", "same-origin") and not (visits and request.method == "GET")
+        token = request.path.split("/")[1].encode()
+        invited = secrets.compare_digest(token, self.service.token.encode())
+        if not (own and known and invited) or strange:
+            raise tornado.web.HTTPError(403)
+
+
+class _File(_Guarded, tornado.web.StaticFileHandler):  # type: ignore[misc]
+    """A file of the page."""
+
+
+class _Handler(_Guarded):
+    """Answers questions, and mistakes in words."""
 
     def body(self) -> dict[str, Any]:
         """Content of the request."""
@@ -147,11 +161,11 @@ class _Handler(tornado.web.RequestHandler):
             raise tornado.web.HTTPError(415)
         try:
             content = json.loads(self.request.body)
+            if not isinstance(content, dict):
+                raise ValueError
             self.heavy = "text" in content or entries_of(content) > MOST_LIGHT_ENTRIES
-        except (TypeError, ValueError, RecursionError):
+        except (ValueError, RecursionError):
             raise tornado.web.HTTPError(400) from None
-        if not isinstance(content, dict):
-            raise tornado.web.HTTPError(400)
         return content
 
     def say(self, content: Any) -> None:
@@ -159,9 +173,16 @@ class _Handler(tornado.web.RequestHandler):
         self.set_header("Content-Type", "application/json; charset=utf-8")
         self.finish(json.dumps(content, allow_nan=False))
 
-    async def in_thread(self, work: Callable[[], Any]) -> Any:
-        """Result of work on the request; none where its page has gone on before its turn."""
-        return await self.submit(self.service.quick, lambda: None if self.gone.is_set() else work())
+    async def answer(self, work: Callable[[], Any]) -> None:
+        """Say the result of work on the request; none where its page has gone on before."""
+
+        def found() -> Any:
+            return None if self.gone.is_set() else work()
+
+        try:
+            self.say(await self.submit(self.service.quick, found))
+        except LightflyerError as error:
+            self.say({"errors": pages.mistakes(str(error))})
 
     def submit(self, pool: ThreadPoolExecutor, work: Callable[[], Any]) -> "asyncio.Future[Any]":
         """Have work on the request done by a pool, or by that for heavy designs."""
@@ -195,42 +216,6 @@ _STATUS = {
 }
 
 
-def _require_own(handler: tornado.web.RequestHandler, service: Service) -> None:
-    request = handler.request
-    own = request.host.lower() in service.origins
-    origin = request.headers.get("Origin")
-    known = origin is None or origin.lower() in {f"http://{host}" for host in service.origins}
-    site = request.headers.get("Sec-Fetch-Site", "none")
-    visits = request.headers.get("Sec-Fetch-Mode", "navigate") == "navigate"
-    strange = site not in ("none", "same-origin") and not (visits and request.method == "GET")
-    token = request.path.split("/")[1].encode()
-    invited = secrets.compare_digest(token, service.token.encode())
-    if not (own and known and invited) or strange:
-        raise tornado.web.HTTPError(403)
-
-
-class _File(tornado.web.StaticFileHandler):
-    """A file of the page."""
-
-    service: Service
-
-    def initialize(self, service: Service, **more: Any) -> None:  # type: ignore[override]
-        """Take what the handlers share."""
-        self.service = service
-        super().initialize(**more)
-
-    def prepare(self) -> None:
-        """Refuse strangers."""
-        _require_own(self, self.service)
-
-    def set_extra_headers(self, path: str) -> None:
-        """Say what browsers may do with it."""
-        del path
-        for name, value in HEADERS.items():
-            self.set_header(name, value)
-        self.clear_header("Server")
-
-
 class _Missing(_Handler):
     def prepare(self) -> None:
         super().prepare()
@@ -257,15 +242,11 @@ class _Answer(_Handler):
     """What follows a slider: everything that :data:`lightflyer.explorer.pages.ANSWERS` knows."""
 
     async def post(self, name: str) -> None:
-        answer = pages.ANSWERS.get(name)
-        if answer is None:
+        found = pages.ANSWERS.get(name)
+        if found is None:
             raise tornado.web.HTTPError(404)
-        content, workplace = self.body(), self.service.workplace
-
-        try:
-            self.say(await self.in_thread(lambda: answer(workplace, content)))
-        except LightflyerError as error:
-            self.say({"errors": pages.mistakes(str(error))})
+        content = self.body()
+        await self.answer(lambda: found(self.service.workplace, content))
 
 
 class _Upload(_Handler):
@@ -279,26 +260,11 @@ class _Upload(_Handler):
         if len(text.encode("utf-8", "surrogatepass")) > LARGEST_UPLOAD:
             raise tornado.web.HTTPError(413)
         workplace = self.service.workplace
-        try:
-            if name == "points":
-                found = await self.in_thread(lambda: _points(text, file, content, workplace))
-            else:
-                found = await self.in_thread(lambda: pages.open_upload(workplace, text, file))
-            self.say(found)
-        except LightflyerError as error:
-            self.say({"errors": pages.mistakes(str(error))})
-
-
-def _points(text: str, name: str, content: dict[str, Any], workplace: Workplace) -> dict[str, Any]:
-    """Points of a file, which the reader of ``lab levitation`` reads."""
-    shown = Path(name).name or "points.csv"
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "points.csv")
-        path.write_text(text, encoding="utf-8", errors="replace")
-        try:
-            return pages.points(workplace, path, shown, content.get("document"))
-        except LightflyerError as error:
-            raise ConfigurationError(str(error).replace(str(path), shown)) from None
+        if name == "points":
+            document = content.get("document")
+            await self.answer(lambda: pages.points(workplace, text, file, document))
+        else:
+            await self.answer(lambda: pages.open_upload(workplace, text, file))
 
 
 class _Download(_Handler):
@@ -333,9 +299,23 @@ class _Job(_Handler):
             with contextlib.suppress(RuntimeError):  # the server has ended meanwhile
                 loop.call_soon_threadsafe(lines.put_nowait, line)
 
+        def tell(step: Step) -> None:
+            share = None if not step.total else (step.done or 0) / step.total
+            put({"doing": step.doing, "share": share})
+
         def work() -> None:
             try:
-                put(_outcome(name, self.service.workplace, document, choices, put, self.gone))
+                if self.gone.is_set():
+                    raise jobs.StoppedError
+                workplace = self.service.workplace
+                put({"result": jobs.run(name, workplace, document, choices, tell, self.gone)})
+            except jobs.StoppedError:
+                put({"stopped": True})
+            except LightflyerError as error:
+                put({"errors": pages.mistakes(str(error))})
+            except Exception:  # a defect: the page says so, and stays usable
+                _LOG.exception("job %s", name)
+                put({"errors": [pages.mistake(_STATUS[500])]})
             finally:
                 put(None)
 
@@ -347,33 +327,6 @@ class _Job(_Handler):
                 await self.flush()
         except tornado.iostream.StreamClosedError:
             self.gone.set()
-
-
-def _outcome(
-    name: str,
-    workplace: Workplace,
-    document: dict[str, Any],
-    choices: Choices,
-    put: Callable[[dict[str, Any]], None],
-    stop: threading.Event,
-) -> dict[str, Any]:
-    """Result of a job, or its mistakes."""
-
-    def tell(step: Step) -> None:
-        share = None if not step.total else (step.done or 0) / step.total
-        put({"doing": step.doing, "share": share})
-
-    if stop.is_set():
-        return {"stopped": True}
-    try:
-        return {"result": jobs.run(name, workplace, document, choices, tell, stop)}
-    except jobs.StoppedError:
-        return {"stopped": True}
-    except LightflyerError as error:
-        return {"errors": pages.mistakes(str(error))}
-    except Exception:  # a defect: the page says so, and stays usable
-        _LOG.exception("job %s", name)
-        return {"errors": [pages.mistake(_STATUS[500])]}
 
 
 def _choices(content: dict[str, Any]) -> Choices:
@@ -407,27 +360,24 @@ def application(service: Service) -> tornado.web.Application:
 def listen(service: Service, port: int) -> tuple[tornado.httpserver.HTTPServer, int]:
     """Begin to listen on the loopback address; returns ``server``, ``port``."""
     server = tornado.httpserver.HTTPServer(application(service), max_body_size=LARGEST_BODY)
-    listener = _free(range(port, min(port + _PORTS_TRIED, 65_536)) if port else (0,))
-    server.add_sockets([listener])
-    found = int(listener.getsockname()[1])
-    service.origins |= {f"{name}:{found}" for name in (ADDRESS, "localhost")}
-    return server, found
-
-
-def _free(ports: Sequence[int]) -> socket.socket:
-    for port in ports:
+    ports = range(port, min(port + _PORTS_TRIED, 65_536)) if port else (0,)
+    for tried in ports:
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         if os.name == "posix":  # elsewhere it would share the port with another program
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            listener.bind((ADDRESS, port))
+            listener.bind((ADDRESS, tried))
+            break
         except OSError:
             listener.close()
-            continue
-        listener.listen(128)
-        listener.setblocking(False)
-        return listener
-    raise OutputError(f"ports {ports[0]} to {ports[-1]} are in use; --port chooses another")
+    else:
+        raise OutputError(f"ports {ports[0]} to {ports[-1]} are in use; --port chooses another")
+    listener.listen(128)
+    listener.setblocking(False)
+    server.add_sockets([listener])
+    found = int(listener.getsockname()[1])
+    service.origins |= {f"{name}:{found}" for name in (ADDRESS, "localhost")}
+    return server, found
 
 
 def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[None] | None]) -> None:
@@ -441,5 +391,5 @@ def serve(workplace: Workplace, port: int, opened: Callable[[str], Awaitable[Non
         await asyncio.Event().wait()
 
     _LOG.info("lightflyer %s", lightflyer.__version__)
-    with jobs.listening(), keeping_warnings():
+    with report_to(jobs.pass_on), keeping_warnings():
         asyncio.run(run())

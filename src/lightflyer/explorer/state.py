@@ -103,10 +103,13 @@ class Workplace:
     @cached_property
     def _designs(self) -> Any:
         def described(text: str) -> _Described:
-            with gathering_warnings() as diagnostics:
+            before, _HERE.gathered = getattr(_HERE, "gathered", None), []
+            try:
                 design = self._read(design_of_text, text)
                 design.setup  # noqa: B018  # built here, where its warnings are gathered
-            return _Described(design, tuple(diagnostics))
+                return _Described(design, tuple(_HERE.gathered))
+            finally:
+                _HERE.gathered = before
 
         return lru_cache(KEPT)(described)
 
@@ -124,8 +127,9 @@ class Workplace:
 
     def _confined_toml(self, document: Document) -> str:
         """The document as TOML, unless it names files elsewhere."""
-        for text in _texts(document):
-            if text not in self._trusted and _leaves(self.folder, text.strip()):
+        for _, text in walk(document):
+            known = not isinstance(text, str) or text in self._trusted
+            if not known and _leaves(self.folder, text.strip()):
                 raise ConfigurationError(
                     f'"{text}" is outside the folder of the flyer file: put it there and give its '
                     "name, or name it in the file that explore opens"
@@ -134,7 +138,7 @@ class Workplace:
 
     @cached_property
     def _trusted(self) -> frozenset[str]:
-        return frozenset(_texts(self.initial))
+        return frozenset(text for _, text in walk(self.initial) if isinstance(text, str))
 
     def from_toml(self, text: str, name: str) -> Document:
         """Document of a file that was uploaded; ``name``: of the file, for messages."""
@@ -190,11 +194,18 @@ def _require_keys(content: Any, depth: int) -> None:
         )
 
 
+def walk(content: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """All that stands within a document, sections and lists included, by dotted name."""
+    inner = enumerate(content) if isinstance(content, list) else content.items()
+    for key, entry in inner:
+        yield f"{prefix}{key}", entry
+        if isinstance(entry, Mapping | list):
+            yield from walk(entry, f"{prefix}{key}.")
+
+
 def entries_of(content: Any) -> int:
     """Number of entries of all lists of a document."""
-    if isinstance(content, Mapping):
-        return sum(map(entries_of, content.values()))
-    return len(content) + sum(map(entries_of, content)) if isinstance(content, list) else 0
+    return sum(len(entry) for _, entry in walk(content) if isinstance(entry, list))
 
 
 def to_toml(document: Document) -> str:
@@ -254,28 +265,24 @@ def from_url(text: str) -> View:
         entries = parse_qsl(
             text, keep_blank_values=True, strict_parsing=True, errors="strict", max_num_fields=2000
         )
-        return _view_of(entries)
+        document: Document = {}
+        at, pins = "", []
+        for name, value in entries:
+            if name == _AT:
+                at = value
+            elif name == _PIN:
+                pins.append(_from_json(name, value))
+            else:
+                is_json = value[:1] in set('[{"')
+                _put(document, name, _from_json(name, value) if is_json else plain(_value(value)))
+        for one in (document, *pins):
+            require_document(one)
     except (ValueError, RecursionError) as error:
         if isinstance(error, ConfigurationError):
             raise
         raise ConfigurationError(
             "the address does not hold a design: it consists of key=value, separated by &"
         ) from None
-
-
-def _view_of(entries: list[tuple[str, str]]) -> View:
-    document: Document = {}
-    at, pins = "", []
-    for name, text in entries:
-        if name == _AT:
-            at = text
-        elif name == _PIN:
-            pins.append(_from_json(name, text))
-        else:
-            json_value = text[:1] in set('[{"')
-            _put(document, name, _from_json(name, text) if json_value else plain(_value(text)))
-    for one in (document, *pins):
-        require_document(one)
     if len(pins) > MOST_PINS:
         raise ConfigurationError(f"the address pins more than {MOST_PINS} designs")
     return View(document, at, tuple(pins))
@@ -303,17 +310,6 @@ def _put(document: Document, name: str, value: Any) -> None:
     place[key] = value
 
 
-def _texts(content: Any) -> Iterator[str]:
-    if isinstance(content, Mapping):
-        for entry in content.values():
-            yield from _texts(entry)
-    elif isinstance(content, list | tuple):
-        for entry in content:
-            yield from _texts(entry)
-    elif isinstance(content, str):
-        yield content
-
-
 def _leaves(folder: Path, text: str) -> bool:
     """Whether a text, read as a path by any system, names what lies outside a folder."""
     paths = PurePosixPath(text), PureWindowsPath(text)
@@ -329,18 +325,14 @@ def _leaves(folder: Path, text: str) -> bool:
 def tags_of(document: Document) -> dict[str, str]:
     """Which alternative each section of a document is, by dotted name."""
     found: dict[str, str] = {}
-    for name, content in _sections(document, ""):
-        kind = section_at(name, document) if name.partition(".")[0] != MISSION else None
-        if kind is not None and issubclass(kind, Alternative):
-            found[name] = kind.tag_of(content)
+    for name, content in walk(document):
+        first, *inner = name.split(".")
+        within_list = any(map(str.isdigit, inner))
+        if isinstance(content, Mapping) and first != MISSION and not within_list:
+            kind = section_at(name, document)
+            if kind is not None and issubclass(kind, Alternative):
+                found[name] = kind.tag_of(content)
     return found
-
-
-def _sections(content: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
-    for key, entry in content.items():
-        if isinstance(entry, Mapping):
-            yield f"{prefix}{key}", entry
-            yield from _sections(entry, f"{prefix}{key}.")
 
 
 @contextmanager
@@ -359,15 +351,3 @@ def keeping_warnings() -> Iterator[None]:
 
         warnings.showwarning = show
         yield
-
-
-@contextmanager
-def gathering_warnings() -> Iterator[list[str]]:
-    """Texts of the warnings that come up in this thread within the block."""
-    before = getattr(_HERE, "gathered", None)
-    found: list[str] = []
-    _HERE.gathered = found
-    try:
-        yield found
-    finally:
-        _HERE.gathered = before

@@ -48,9 +48,6 @@ class Line(NamedTuple):
     colour: str
     dash: str = "solid"
 
-    def page_entry(self) -> dict[str, str]:
-        return self._asdict()
-
 
 def figure_data(
     sources: Mapping[str, Mapping[str, Any]],
@@ -71,7 +68,7 @@ def figure_data(
         "x": list(x),
         "y": list(y),
         "labels": list(labels),
-        "legend": [line.page_entry() for line in legend],
+        "legend": [line._asdict() for line in legend],
         "words": words,
         **more,
     }
@@ -106,7 +103,7 @@ def curves(found: Quick, pins: int = 0) -> dict[str, Any]:
     here = (where.name, f"@x{{0.00}} {where.shown_unit}")
     usable = _usable(found, factor)
     pinned = [
-        Line(f"pin {number}", colour, "dashdot").page_entry()
+        Line(f"pin {number}", colour, "dashdot")._asdict()
         for number, colour in enumerate(PIN_COLOURS[:pins], start=1)
     ]
     for data in drawn.values():
@@ -149,7 +146,7 @@ def axis_label(where: Coordinate) -> str:
     return f"{name} [{where.shown_unit}]"
 
 
-def shown_range(found: Quick) -> tuple[float, float]:
+def shown_range(found: Quick | Prediction) -> tuple[float, float]:
     """Range of the coordinate worth showing, with round ends [m]."""
     where, needed = found.setup.environment.coordinate, found.table["levitation_irradiance"]
     first, last = float(found.coordinates[0]), float(found.coordinates[-1])
@@ -305,9 +302,7 @@ def marks(prediction: Prediction) -> dict[str, Any]:
     flies = {"low": plain_list(edges[:, 0]), "high": plain_list(edges[:, 1])}
     best = prediction.verdict.best or prediction.best
     scale = OUTPUTS["payload"].display_unit_for(_most(prediction))[0]
-    found: dict[str, Any] = {
-        name: {"sources": {"flies": flies}} for name in ("irradiance", "temperature", "payload")
-    }
+    found: dict[str, Any] = {name: {"sources": {"flies": flies}} for name in OVER_COORDINATE}
     found["payload"]["sources"]["best"] = {
         "x": [best.coordinate * factor],
         "y": plain_list(np.array([best.values["payload"] * scale])),
@@ -327,17 +322,18 @@ def _most(prediction: Prediction) -> float:
     return float(np.nanmax(prediction.table["payload"]))
 
 
-_BANDED = {
+OVER_COORDINATE = {
     "irradiance": "levitation_irradiance",
     "temperature": "temperature",
     "payload": "payload",
 }
+"""Figures over the coordinate, and which output each shows."""
 
 
 def bands(uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
     """95 % bands of the curves."""
     found: dict[str, Any] = {}
-    for figure, output in _BANDED.items():
+    for figure, output in OVER_COORDINATE.items():
         columns: Columns = {"x": [], "low": [], "high": []}
         if uncertainty is not None and output in uncertainty.low:
             factor = coordinate_factor(uncertainty.prediction.coordinate)
@@ -354,7 +350,7 @@ def bands(uncertainty: PredictionUncertainty | None) -> dict[str, Any]:
     return found
 
 
-def rows(found: Quick) -> dict[str, Any]:
+def rows(found: Prediction) -> dict[str, Any]:
     """The curves as a table, for those who do not see figures."""
     where, known = found.setup.environment.coordinate, outputs_of(found.setup)
     low, high = shown_range(found)
@@ -369,11 +365,10 @@ def rows(found: Quick) -> dict[str, Any]:
     factor = coordinate_factor(where)
     body = [
         [f"{found.coordinates[place] * factor:.4g}"]
-        + [_cell(found.table[name][place] * scales[name][0]) for name in names]
+        + [
+            f"{value:.4g}" if math.isfinite(value) else "–"
+            for value in (found.table[name][place] * scales[name][0] for name in names)
+        ]
         for place in chosen
     ]
     return {"columns": columns, "rows": body}
-
-
-def _cell(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) else "–"

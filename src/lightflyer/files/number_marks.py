@@ -158,7 +158,13 @@ class _Evidence:
 
     def continues(self, mark: str) -> bool:
         """Whether in each column whole numbers have the mark from the fourth digit on."""
-        return all(self._continues(name, mark) for name in self.open[mark])
+        for name in self.open[mark]:
+            others = [one for one in self.numbers[name] if one.open != mark]
+            if any(one.decimal or one.open or one.exponent for one in others):
+                return False
+            if max((len(one.whole) for one in others if not one.thousands), default=0) != _GROUP:
+                return False
+        return True
 
     def impossible(
         self, mark: str, possible: Callable[[str, float], bool], *, grouped: bool
@@ -175,12 +181,6 @@ class _Evidence:
             f"{one.value(grouped=grouped):.15g}"
             for name, ((line, one), *_) in self.open[mark].items()
         ]
-
-    def _continues(self, name: str, mark: str) -> bool:
-        others = [one for one in self.numbers[name] if one.open != mark]
-        whole = not any(one.decimal or one.open or one.exponent for one in others)
-        longest = max((len(one.whole) for one in others if not one.thousands), default=0)
-        return whole and longest == _GROUP
 
 
 def shows_decimal(cells: Iterable[str], mark: str) -> bool:
@@ -227,21 +227,17 @@ def find_marks(
         elif continues and say and (decimal or (by_commas and mark == COMMA)):
             thousands += mark
         else:
-            _refuse(source, found.open[mark], mark)
+            name, ((line, number), *_) = next(iter(found.open[mark].items()))
+            one, two = number.value(grouped=True), number.value()
+            said = f'{source}:{line}: {name}: "{_number_text(number)}" may be {one:.15g} or '
+            if mark not in _NAMES:
+                raise ConfigurationError(f"{said}two numbers; write {one:.15g}")
+            raise ConfigurationError(
+                f'{said}{two:g}; write a line "# decimal: point" or "# decimal: comma" above the '
+                "header"
+            )
         notes += found.readings(mark, grouped=mark in thousands)
     return Marks(decimal or POINT, thousands, tuple(notes))
-
-
-def _refuse(source: str, columns: Mapping[str, Sequence[tuple[int, Number]]], mark: str) -> None:
-    name, cells = next(iter(columns.items()))
-    line, number = cells[0]
-    one, two = number.value(grouped=True), number.value()
-    said = f'{source}:{line}: {name}: "{_number_text(number)}" may be {one:.15g} or '
-    if mark not in _NAMES:
-        raise ConfigurationError(f"{said}two numbers; write {one:.15g}")
-    raise ConfigurationError(
-        f'{said}{two:g}; write a line "# decimal: point" or "# decimal: comma" above the header'
-    )
 
 
 def _number_text(number: Number) -> str:

@@ -72,7 +72,10 @@ class Section(pydantic.BaseModel):
 
     def __repr_args__(self) -> Iterator[tuple[str, Any]]:
         """What the file gives."""
-        return ((name, _told(getattr(self, name))) for name in sorted(self.model_fields_set))
+        for name in sorted(self.model_fields_set):
+            value = getattr(self, name)
+            plain = isinstance(value, Measured) and value.uncertainty is None
+            yield name, value.value if plain else value
 
     describes: ClassVar[type | None] = None
     """Class of what the section describes."""
@@ -109,13 +112,25 @@ class Section(pydantic.BaseModel):
         """Annotation and default of each key that follows from a class; ``...`` where required."""
         found = {}
         for field in dataclasses.fields(described):
-            kind = None if field.name in cls.left_out else _key(field)
-            if kind is not None:
-                key, factor = cls._spelling(field.name)
-                annotation, default = kind
-                if isinstance(default, Measured):
-                    default = Measured(default.value / factor, default.uncertainty)
-                found[key] = annotation, default
+            if field.name in cls.left_out:
+                continue
+            annotation: Any = field.type
+            default: Any = ... if field.default is dataclasses.MISSING else field.default
+            if annotation is float:
+                annotation = Annotated[Numeric, Quantity()]
+            kinds = [kind for kind in (*get_args(annotation), annotation) if kind is not NoneType]
+            key, factor = cls._spelling(field.name)
+            quantity = quantity_of(annotation)
+            if quantity is None:
+                if get_origin(annotation) is not Literal and not set(kinds) <= set(_PLAIN):
+                    continue
+            elif default is None and quantity.in_files is not None:
+                annotation, default = kinds[0], quantity.in_files
+            elif default not in (None, ...):
+                default = Measured(default)
+            if isinstance(default, Measured):
+                default = Measured(default.value / factor, default.uncertainty)
+            found[key] = annotation, default
         return found
 
     def make(self, **given: Any) -> Any:
@@ -185,20 +200,37 @@ class Section(pydantic.BaseModel):
             quantity = self.quantity(name)
             if quantity is not None:
                 yield name, quantity, value
-            for key, inner in _inner(name, value):
-                for inner_name, inner_quantity, number in inner.numbers():
-                    yield f"{key}.{inner_name}", inner_quantity, number
+            several = isinstance(value, tuple) and not isinstance(value, Measured)
+            entries = enumerate(value) if several else ()
+            inside = {name: value, **{f"{name}.{index}": one for index, one in entries}}
+            for key, inner in inside.items():
+                for inner_name, kind, number in (
+                    inner.numbers() if isinstance(inner, Section) else ()
+                ):
+                    yield f"{key}.{inner_name}", kind, number
 
     def with_values(self, values: Mapping[str, Any]) -> "Section":
         """A copy with other numbers, which are not checked and may be traced by JAX."""
-        own = {name: Measured(value) for name, value in values.items() if "." not in name}
+        own: dict[str, Any] = {}
+        own |= {name: Measured(value) for name, value in values.items() if "." not in name}
         nested: dict[str, dict[str, Any]] = {}
         for name, value in values.items():
             first, dot, rest = name.partition(".")
             if dot:
                 nested.setdefault(first, {})[rest] = value
-        for name, inner in nested.items():
-            own[name] = _with_values_inside(getattr(self, name), inner)
+        for name, changes in nested.items():
+            value = getattr(self, name)
+            if isinstance(value, Section):
+                own[name] = value.with_values(changes)
+                continue
+            of_entries: dict[int, dict[str, Any]] = {}
+            for key, change in changes.items():
+                index, _, rest = key.partition(".")
+                of_entries.setdefault(int(index), {})[rest] = change
+            own[name] = tuple(
+                entry.with_values(of_entries[index]) if index in of_entries else entry
+                for index, entry in enumerate(value)
+            )
         return self.model_copy(update=own) if own else self
 
     def reason_not_varied(self, name: str) -> str | None:
@@ -208,53 +240,6 @@ class Section(pydantic.BaseModel):
         if rest and isinstance(inner, Section):
             return inner.reason_not_varied(rest)
         return self.not_varied.get(name.rpartition(".")[2])
-
-
-def _key(field: dataclasses.Field) -> tuple[Any, Any] | None:
-    """Annotation and default of a field's key, ``...`` where required; None without a key."""
-    annotation: Any = field.type
-    default = ... if field.default is dataclasses.MISSING else field.default
-    if annotation is float:
-        annotation = Annotated[Numeric, Quantity()]
-    quantity = quantity_of(annotation)
-    if quantity is None:
-        kinds = {*get_args(annotation), annotation} - {NoneType}
-        is_plain = get_origin(annotation) is Literal or kinds <= set(_PLAIN)
-        return (annotation, default) if is_plain else None
-    if default is None and quantity.in_files is not None:
-        return next(
-            kind for kind in get_args(annotation) if kind is not NoneType
-        ), quantity.in_files
-    return annotation, default if default in (None, ...) else Measured(default)
-
-
-def _told(value: Any) -> Any:
-    """A value as it is shown: a number without an uncertainty that it does not have."""
-    plain = isinstance(value, Measured) and value.uncertainty is None
-    return value.value if plain else value
-
-
-def _inner(name: str, value: Any) -> Iterator[tuple[str, Section]]:
-    if isinstance(value, Section):
-        yield name, value
-    elif isinstance(value, tuple) and not isinstance(value, Measured):
-        for index, entry in enumerate(value):
-            if isinstance(entry, Section):
-                yield f"{name}.{index}", entry
-
-
-def _with_values_inside(value: Any, changes: Mapping[str, Any]) -> Any:
-    if isinstance(value, Section):
-        return value.with_values(changes)
-    entries = list(value)
-    for index, entry in enumerate(entries):
-        mine = {
-            key.partition(".")[2]: change
-            for key, change in changes.items()
-            if key.partition(".")[0] == str(index)
-        }
-        entries[index] = entry.with_values(mine) if mine else entry
-    return tuple(entries)
 
 
 class Alternative(Section):

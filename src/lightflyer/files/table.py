@@ -6,7 +6,7 @@ values) is rejected and named; a strict reader refuses the file instead. A value
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
@@ -86,9 +86,21 @@ def read_table(
             delimiter=one.delimiter,
         )  # fmt: skip
 
-    file, found, notes = _choose(Path(path), read_lines(Path(path)), layout_of)
-    table = _read(file, found, strict=strict)
-    return replace(table, notes=[*notes, *table.notes])
+    tables, fits, problems = read_lines(Path(path)), [], []
+    for one in tables:
+        try:
+            fits.append((one, layout_of(one)))
+        except ConfigurationError as error:
+            problems.append(error)
+    if not fits:
+        raise problems[0]
+    if len(fits) > 1:
+        names = ", ".join(f'"{one.name}"' for one, _ in fits)
+        raise ConfigurationError(f"{path}: has several tables; name one of {names}")
+    table = _read(*fits[0], strict=strict)
+    left = [one.name for one in tables if one is not fits[0][0]]
+    said = [f"{fits[0][0].name} is read; {', '.join(left)}: no known columns"] if left else []
+    return replace(table, notes=[*said, *table.notes])
 
 
 def read_columns(file: Lines, columns: Sequence[Column]) -> Table:
@@ -112,12 +124,42 @@ def _read(file: Lines, found: Layout, *, strict: bool) -> Table:
         if before.setdefault(line, number) != number:
             said = f"repeats line {before[line]}"
             repeated[number] = Rejected(file.name, number, said)
-    notes = _require_whole(file, rows, found)
+    # A file that ends within a row is refused: more than that row may be missing. One that ends
+    # within its last number cannot be told; a note asks for a look at it.
+    number, line = rows[-1]
+    cells, width = split_cells(line, found.delimiter), len(found.names)
+    # without a line end, an empty last cell has been cut off
+    cut = not file.ended and len(cells) == width and not cells[-1] and width - 1 in found.columns
+    if (len(cells) < width or cut) and len(rows) > 1:
+        above = len(split_cells(rows[-2][1], found.delimiter))
+        if above >= width:
+            raise ConfigurationError(
+                f"{file.name}:{number}: the file ends within a row and is incomplete"
+            )
+    last, notes = found.number_columns.get(len(cells) - 1), []
+    if not file.ended and last is not None and number == len(file.lines):
+        notes.append(
+            f"{file.name}: line {number}, the last, has no line end after its value, "
+            f"{last.column.name} = {cells[-1]}; check that it is whole"
+        )
     table = _with_si(file, [row for row in rows if row[0] not in repeated], found, say=not strict)
     rejected = sorted([*table.rejected, *repeated.values()], key=lambda row: row.line)
     if strict and rejected:
         raise ConfigurationError(str(rejected[0]))
-    table = _possible(replace(table, rejected=rejected, notes=[*notes, *table.notes]), found)
+    table = replace(table, rejected=rejected, notes=[*notes, *table.notes])
+    out: dict[int, str] = {}  # gauges' readings below zero; other impossible values refuse the file
+    for one in found.number_columns.values():
+        column, quantity = one.column, one.column.quantity
+        values = table.numbers[column.name]
+        for row in np.flatnonzero(~is_possible(values, quantity)):
+            why = quantity.implausible(values[row])
+            said = why.partition(" ")[2] if why else f"is not {quantity.allowed}"
+            written = (float(values[row]) - one.offset) / one.scale  # as in the file
+            reason = f"{column.name} = {f'{written:g} {one.unit}'.rstrip()} {said}"
+            if column.outside == "stop":
+                raise ConfigurationError(f"{table.source}:{table.lines[row]}: {reason}")
+            out.setdefault(int(row), reason)
+    table = table.without(out) if out else table
     if not len(table):
         raise ConfigurationError(f"{table.rejected[0]}; none of its {len(rows)} rows can be read")
     return table
@@ -139,49 +181,6 @@ def shipped_table(name: str) -> Table:
         except ValueError:
             texts[title] = list(cells)
     return Table(name, np.array([number for number, _ in body]), numbers, texts)
-
-
-def _choose(
-    path: Path, tables: list[Lines], layout_of: Callable[[Lines], Layout]
-) -> tuple[Lines, Layout, list[str]]:
-    """The one table of a file with known columns, its layout, and what to say of the choice."""
-    if len(tables) == 1:
-        return tables[0], layout_of(tables[0]), []
-    fits, problems = [], []
-    for one in tables:
-        try:
-            fits.append((one, layout_of(one)))
-        except ConfigurationError as error:
-            problems.append(error)
-    if not fits:
-        raise problems[0]
-    names = ", ".join(f'"{one.name}"' for one, _ in fits)
-    if len(fits) > 1:
-        raise ConfigurationError(f"{path}: has several tables; name one of {names}")
-    left = [one.name for one in tables if one is not fits[0][0]]
-    return *fits[0], [f"{fits[0][0].name} is read; {', '.join(left)}: no known columns"]
-
-
-def _require_whole(file: Lines, rows: list[Row], layout: Layout) -> list[str]:
-    """Refuse a file that ends within a row: more than that row may be missing."""
-    # A file that ends within its last number cannot be told; a note asks for a look at it.
-    number, line = rows[-1]
-    cells, width = split_cells(line, layout.delimiter), len(layout.names)
-    # without a line end, an empty last cell has been cut off
-    cut = not file.ended and len(cells) == width and not cells[-1] and width - 1 in layout.columns
-    if (len(cells) < width or cut) and len(rows) > 1:
-        before = len(split_cells(rows[-2][1], layout.delimiter))
-        if before >= len(layout.names):
-            raise ConfigurationError(
-                f"{file.name}:{number}: the file ends within a row and is incomplete"
-            )
-    last = layout.number_columns.get(len(cells) - 1)
-    if file.ended or last is None or number != len(file.lines):
-        return []
-    return [
-        f"{file.name}: line {number}, the last, has no line end after its value, "
-        f"{last.column.name} = {cells[-1]}; check that it is whole"
-    ]
 
 
 def _with_si(file: Lines, rows: list[Row], layout: Layout, *, say: bool) -> Table:
@@ -226,20 +225,3 @@ def one_spelling(column: str, texts: Sequence[str]) -> tuple[list[str], list[str
     found = [first.setdefault(same_text(text), text) for text in plain]
     other = {text: kept for text, kept in zip(plain, found, strict=True) if text != kept}
     return found, [f'{column} "{text}" is taken for "{kept}"' for text, kept in other.items()]
-
-
-def _possible(table: Table, layout: Layout) -> Table:
-    """The table without gauges' readings below zero; other impossible values refuse it."""
-    out: dict[int, str] = {}
-    for one in layout.number_columns.values():
-        column, quantity = one.column, one.column.quantity
-        values = table.numbers[column.name]
-        for row in np.flatnonzero(~is_possible(values, quantity)):
-            why = quantity.implausible(values[row])
-            said = why.partition(" ")[2] if why else f"is not {quantity.allowed}"
-            written = (float(values[row]) - one.offset) / one.scale  # as in the file
-            reason = f"{column.name} = {f'{written:g} {one.unit}'.rstrip()} {said}"
-            if column.outside == "stop":
-                raise ConfigurationError(f"{table.source}:{table.lines[row]}: {reason}")
-            out.setdefault(int(row), reason)
-    return table.without(out) if out else table

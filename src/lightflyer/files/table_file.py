@@ -50,7 +50,14 @@ def split_lines(text: str) -> list[str]:
 
 def _decode(content: bytes, name: str) -> str:
     marked = next((code for mark, code in _MARKED if content.startswith(mark)), None)
-    encoding = marked or _wide(content) or "utf-8"
+    encoding, start = marked or "utf-8", content[:_LOOKED_AT]
+    pairs = len(start) // 2
+    if not marked and pairs >= _LEAST:  # UTF-16 without a mark, by its zeros
+        first, second = start[0::2].count(0) / pairs, start[1::2].count(0) / pairs
+        if second > _MANY and first < _FEW:
+            encoding = "utf-16-le"
+        elif first > _MANY and second < _FEW:
+            encoding = "utf-16-be"
     try:
         return content.decode(encoding)
     except UnicodeDecodeError as error:
@@ -76,18 +83,6 @@ def _decode(content: bytes, name: str) -> str:
         raise ConfigurationError(
             f"{name}:{line}: is not a text file (UTF-8, UTF-16 or Windows-1252)"
         ) from None
-
-
-def _wide(content: bytes) -> str | None:
-    """UTF-16 without a mark, by its zeros."""
-    start = content[:_LOOKED_AT]
-    pairs = len(start) // 2
-    if pairs < _LEAST:
-        return None
-    first, second = start[0::2].count(0) / pairs, start[1::2].count(0) / pairs
-    if second > _MANY and first < _FEW:
-        return "utf-16-le"
-    return "utf-16-be" if first > _MANY and second < _FEW else None
 
 
 SHEET = "#"

@@ -175,9 +175,24 @@ def find_layout(
             f"--columns: {known}"
         )
     delimiter, names, _ = _header_cells(lines[header], columns, delimiter)
-    names, first = _with_units_below(columns, delimiter, names, lines, header)
+    # the line below has the units that columns lack
+    below = lines[header + 1] if header + 1 < len(lines) else ""
+    text = below.lstrip("#/! ") if is_comment(lines[header]) else below
+    units = [cell.strip("[]() ") for cell in split_cells(text, delimiter)]
+    lacking = {
+        position: column
+        for position, (column, unit) in _matches(columns, names).items()
+        if not (unit or column.text or column.any_unit)
+    }
+    needed = any(one.quantity.unit and not one.assumed_unit for one in lacking.values())
+    with_units = needed and len(units) == len(names) and not any(map(_is_number, units))
+    if with_units:
+        names = [
+            f"{name} [{unit}]" if unit and place in lacking else name
+            for place, (name, unit) in enumerate(zip(names, units, strict=True))
+        ]
     found = _place(columns, names, f"{path}:{header + 1}", closed=closed and strict)
-    return Layout(delimiter, names, first, found)
+    return Layout(delimiter, names, header + 1 + with_units, found)
 
 
 def names_columns(layout: Layout, cells: Sequence[str]) -> bool:
@@ -214,32 +229,6 @@ def _header_cells(
     return best or (stated, [text.strip()], 0)
 
 
-def _with_units_below(
-    columns: Sequence[Column],
-    delimiter: str | None,
-    names: list[str],
-    lines: list[str],
-    header: int,
-) -> tuple[list[str], int]:
-    """Names, with the units of the line below where columns lack them, and the line after."""
-    below = lines[header + 1] if header + 1 < len(lines) else ""
-    text = below.lstrip("#/! ") if is_comment(lines[header]) else below
-    units = [cell.strip("[]() ") for cell in split_cells(text, delimiter)]
-    lacking = {
-        position: column
-        for position, (column, unit) in _matches(columns, names).items()
-        if not (unit or column.text or column.any_unit)
-    }
-    needed = any(one.quantity.unit and not one.assumed_unit for one in lacking.values())
-    if not needed or len(units) != len(names) or any(map(_is_number, units)):
-        return names, header + 1
-    named = zip(names, units, strict=True)
-    return [
-        f"{name} [{unit}]" if unit and place in lacking else name
-        for place, (name, unit) in enumerate(named)
-    ], header + 2
-
-
 def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple[Column, str]]:
     """Known columns of a header with the units it names, by position."""
     by_name: dict[str, list[Column]] = {}
@@ -248,7 +237,15 @@ def _matches(columns: Sequence[Column], cells: Sequence[str]) -> dict[int, tuple
             by_name.setdefault(name, []).append(one)
     found: dict[int, tuple[Column, str]] = {}
     for position, cell in enumerate(cells):
-        base, unit = _split_name(cell)
+        # name and unit of "pressure [Pa]", "Pressure (Pa)" or "pressure / Pa"
+        text = cell.strip().strip('"')
+        match = _NAME_AND_UNIT.match(text)
+        base, unit = (match[1], (match[2] or "")[1:-1].strip()) if match else (text, "")
+        for mark in (",", "/", " in "):
+            if not unit and mark in base:
+                base, _, unit = base.partition(mark)
+        unit = "" if unit.strip() in _NO_UNIT else unit.strip()
+        base, unit = _WHOLE_NAMES.get(spell_unit(text, "").casefold(), (base, unit))
         named = by_name.get(_normal(base), [])
         # p may be a pressure or a power: the unit tells
         column = next((one for one in named if len(named) == 1 or _fits(one, unit)), None)
@@ -273,20 +270,6 @@ def _fits(column: Column, unit: str) -> bool:
         return False
 
 
-def _split_name(cell: str) -> tuple[str, str]:
-    """Name and unit of ``pressure [Pa]``, ``Pressure (Pa)`` or ``pressure / Pa``."""
-    text = cell.strip().strip('"')
-    whole = spell_unit(text, "").casefold()
-    if whole in _WHOLE_NAMES:
-        return _WHOLE_NAMES[whole]
-    match = _NAME_AND_UNIT.match(text)
-    base, unit = (match[1], (match[2] or "")[1:-1].strip()) if match else (text, "")
-    for mark in (",", "/", " in "):
-        if not unit and mark in base:
-            base, _, unit = base.partition(mark)
-    return base, "" if unit.strip() in _NO_UNIT else unit.strip()
-
-
 def _suffix(column: Column, cell: str) -> str | None:
     """Unit in a header such as ``pressure_mTorr``; None where it is of another column."""
     text = cell.strip().strip('"')
@@ -299,12 +282,7 @@ def _suffix(column: Column, cell: str) -> str | None:
     match = _NAME_AND_SUFFIX.match(text)
     if match is None or _normal(match[1]) not in names or not column.quantity.unit:
         return None
-    unit = match[2]
-    try:
-        scale_and_offset(unit, column.quantity.unit)
-    except ConfigurationError:
-        return None
-    return unit
+    return match[2] if _fits(column, match[2]) else None
 
 
 def _place(
@@ -321,7 +299,20 @@ def _place(
         column, unit = matches[position]
         if any(column is one.column for one in placed.values()):
             raise ConfigurationError(f"{place}: column {column.name} appears twice")
-        placed[position] = _to_si(column, unit, place)
+        if column.text or column.any_unit:
+            placed[position] = Placed(column, "", 1.0, 0.0)
+            continue
+        unit = unit or column.assumed_unit
+        if column.quantity.unit and not unit:
+            raise ConfigurationError(
+                f'{place}: column {column.name} has no unit; write "{column.with_unit}"'
+            )
+        try:
+            scale, offset = scale_and_offset(unit, column.quantity.unit)
+        except ConfigurationError as error:
+            said = str(error).removeprefix(f'"{unit}": ')
+            raise ConfigurationError(f"{place}: column {column.name}: {said}") from None
+        placed[position] = Placed(column, unit, scale, 0.0 if column.difference else offset)
     required = [column for column in columns if column.required]
     for column in required:
         if not any(column is one.column for one in placed.values()):
@@ -334,19 +325,3 @@ def _place(
         known = ", ".join(column.with_unit for column in columns)
         raise ConfigurationError(f"{place}: has no known column; known columns: {known}")
     return placed
-
-
-def _to_si(column: Column, unit: str, place: str) -> Placed:
-    if column.text or column.any_unit:
-        return Placed(column, "", 1.0, 0.0)
-    unit = unit or column.assumed_unit
-    if column.quantity.unit and not unit:
-        raise ConfigurationError(
-            f'{place}: column {column.name} has no unit; write "{column.with_unit}"'
-        )
-    try:
-        scale, offset = scale_and_offset(unit, column.quantity.unit)
-    except ConfigurationError as error:
-        said = str(error).removeprefix(f'"{unit}": ')
-        raise ConfigurationError(f"{place}: column {column.name}: {said}") from None
-    return Placed(column, unit, scale, 0.0 if column.difference else offset)

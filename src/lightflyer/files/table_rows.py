@@ -20,7 +20,7 @@ from lightflyer.files.number_marks import (
     stated_mark,
 )
 from lightflyer.files.table_file import AS_TEXT
-from lightflyer.files.table_layout import Layout, Placed, names_columns, split_cells
+from lightflyer.files.table_layout import Layout, names_columns, split_cells
 
 _SMALLEST, _LARGEST = 1e-30, 1e30  # of measured values in any unit; powers of others overflow
 _BLOCK = 50_000  # rows read at once; a block with a faulty row is read again row by row
@@ -115,7 +115,13 @@ def _cells(rows: Sequence[Row], layout: Layout) -> Iterator[tuple[int, str, str]
 def read_rows(source: str, rows: Sequence[Row], layout: Layout, marks: Marks) -> Values:
     """Numbers and texts of the rows; ``source``: name of the file, for messages."""
     texts: dict[str, list[str]] = {one.column.name: [] for one in layout.text_columns.values()}
-    rows = _without_last_delimiter(rows, layout)
+    delimiter, width = layout.delimiter, len(layout.names)
+    if delimiter is not None:
+        # A delimiter at the end of every row. Where some have one only, cells may have been split:
+        # ``30,1,469,`` is 30 and 1469.
+        split = (split_cells(line, delimiter) for _, line in rows)
+        if all(len(cells) == width + 1 and not cells[-1] for cells in split):
+            rows = [(number, line[: line.rindex(delimiter)]) for number, line in rows]
     found = []
     for start in range(0, len(rows), _BLOCK):
         block = rows[start : start + _BLOCK]
@@ -133,20 +139,6 @@ def read_rows(source: str, rows: Sequence[Row], layout: Layout, marks: Marks) ->
         texts,
         [row for one in found for row in one.rejected],
     )
-
-
-def _without_last_delimiter(rows: Sequence[Row], layout: Layout) -> Sequence[Row]:
-    """Rows without a delimiter at their ends, if all have one."""
-    # Where some have one only, cells may have been split: ``30,1,469,`` is 30 and 1469.
-    delimiter, width = layout.delimiter, len(layout.names)
-
-    def has_one(line: str) -> bool:
-        cells = split_cells(line, delimiter)
-        return len(cells) == width + 1 and not cells[-1]
-
-    if delimiter is None or not all(has_one(line) for _, line in rows):
-        return rows
-    return [(number, line[: line.rindex(delimiter)]) for number, line in rows]
 
 
 def _read_block(block: Sequence[Row], layout: Layout, marks: Marks) -> np.ndarray | None:
@@ -226,18 +218,36 @@ def _read_row(
             said[column.name] = cell.removesuffix(AS_TEXT)
             continue
         value = marks.number(cell)
+        if value is None and cell.endswith("%") and not column.quantity.unit:
+            # such as ``75 %`` in a column of pure numbers, in the column's unit
+            value = marks.number(cell[:-1].rstrip())
+            value = value if value is None or column.any_unit else value / _PERCENT / one.scale
         if value is None:
-            value = _in_percent(cell, one, marks)
-        if value is None:
-            _require_plain(cell, f"{place}: {column.name}")
-            return _not_a_number(cell, column.name), said
+            return _not_a_number(cell, column.name, place), said
         if abs(value) > _LARGEST or not _measurable(abs(value)):
             return f"{column.name} is {cell}, which is no measured value", said
         row.append(value)
     return row, said
 
 
-def _not_a_number(cell: str, name: str) -> str:
+def _not_a_number(cell: str, name: str, place: str) -> str:
+    """What a cell is instead; those that put the whole file in doubt are refused."""
+    if _NUMBER_AND_UNIT.match(cell) and not _DATE.match(cell):
+        raise ConfigurationError(
+            f'{place}: {name}: "{cell}" is more than a number; the unit of a column belongs in its '
+            "header"
+        )
+    if cell.startswith("="):
+        raise ConfigurationError(
+            f'{place}: {name}: the formula "{cell}" has no value; open the file in a spreadsheet '
+            "program and save it"
+        )
+    if cell.endswith(AS_TEXT):
+        text = cell.removesuffix(AS_TEXT)
+        raise ConfigurationError(
+            f'{place}: {name}: "{text}" is a text of the workbook, of which the mark may group '
+            "thousands; make it a number there"
+        )
     if not cell:
         return f"{name} is empty"
     if _DATE.match(cell):
@@ -247,30 +257,3 @@ def _not_a_number(cell: str, name: str) -> str:
     except ValueError:
         known = False
     return f"{name} is {cell}" if known else f'{name}: "{cell}" is not a number'
-
-
-def _in_percent(cell: str, one: Placed, marks: Marks) -> float | None:
-    """Value of a cell such as ``75 %`` in a column of pure numbers, in the column's unit."""
-    if not cell.endswith("%") or one.column.quantity.unit:
-        return None
-    value = marks.number(cell[:-1].rstrip())
-    return value if value is None or one.column.any_unit else value / _PERCENT / one.scale
-
-
-def _require_plain(cell: str, place: str) -> None:
-    """Refuse cells that put the whole file in doubt."""
-    if _NUMBER_AND_UNIT.match(cell) and not _DATE.match(cell):
-        raise ConfigurationError(
-            f'{place}: "{cell}" is more than a number; the unit of a column belongs in its header'
-        )
-    if cell.startswith("="):
-        raise ConfigurationError(
-            f'{place}: the formula "{cell}" has no value; open the file in a spreadsheet program '
-            "and save it"
-        )
-    if cell.endswith(AS_TEXT):
-        text = cell.removesuffix(AS_TEXT)
-        raise ConfigurationError(
-            f'{place}: "{text}" is a text of the workbook, of which the mark may group thousands; '
-            "make it a number there"
-        )

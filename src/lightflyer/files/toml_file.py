@@ -89,21 +89,12 @@ def _other_mistake(mistake: Any, dotted: str) -> str:
     return f"{dotted} = {shortened(shown)}: {text}"
 
 
-def _explain_kind(wanted: str) -> Callable[[Any, str], str]:
-    """Explanation that a value is not of a kind."""
+def _explain_by(words: str) -> Callable[[Any, str], str]:
+    """Explanation of a value, with the numbers that its limit has."""
 
     def format_error(mistake: Any, dotted: str) -> str:
-        return f"{dotted} = {shortened(in_toml(mistake['input']))}: is not {wanted}"
-
-    return format_error
-
-
-def _explain_limit(words: str) -> Callable[[Any, str], str]:
-    """Explanation that a number is on the wrong side of a limit."""
-
-    def format_error(mistake: Any, dotted: str) -> str:
-        limit = words.format(**mistake["ctx"])
-        return f"{dotted} = {shortened(in_toml(mistake['input']))}: must be {limit}"
+        said = words.format(**mistake.get("ctx", {}))
+        return f"{dotted} = {shortened(in_toml(mistake['input']))}: {said}"
 
     return format_error
 
@@ -126,28 +117,25 @@ _EXPLANATIONS: dict[str, Callable[[Any, str], str]] = {
     "missing": _missing_key,
     UNKNOWN: _unknown_alternative,
     "literal_error": _unknown_word,
-    **{
-        kind: _explain_limit(words)
-        for kind, words in {
-            "greater_than_equal": "at least {ge}",
-            "greater_than": "above {gt}",
-            "less_than_equal": "at most {le}",
-            "less_than": "below {lt}",
-        }.items()
-    },
+    "greater_than_equal": _explain_by("must be at least {ge}"),
+    "greater_than": _explain_by("must be above {gt}"),
+    "less_than_equal": _explain_by("must be at most {le}"),
+    "less_than": _explain_by("must be below {lt}"),
     "too_short": _too_few,
-    **dict.fromkeys(("tuple_type", "list_type"), _explain_kind("a list, such as [ ... ]")),
+    **dict.fromkeys(("tuple_type", "list_type"), _explain_by("is not a list, such as [ ... ]")),
     **dict.fromkeys(
         ("model_type", "model_attributes_type", "dict_type", "mapping_type"),
-        _explain_kind("a section, such as [section] followed by its keys"),
+        _explain_by("is not a section, such as [section] followed by its keys"),
     ),
-    "string_type": _explain_kind("a text in quotes"),
-    **dict.fromkeys(("int_type", "int_parsing", "int_from_float"), _explain_kind("a whole number")),
-    **dict.fromkeys(("float_type", "float_parsing"), _explain_kind("a number")),
-    **dict.fromkeys(("bool_type", "bool_parsing"), _explain_kind("true or false")),
+    "string_type": _explain_by("is not a text in quotes"),
+    **dict.fromkeys(
+        ("int_type", "int_parsing", "int_from_float"), _explain_by("is not a whole number")
+    ),
+    **dict.fromkeys(("float_type", "float_parsing"), _explain_by("is not a number")),
+    **dict.fromkeys(("bool_type", "bool_parsing"), _explain_by("is not true or false")),
     **dict.fromkeys(
         ("datetime_type", "datetime_parsing", "datetime_from_date_parsing"),
-        _explain_kind("a date, such as 2026-06-21T12:00:00"),
+        _explain_by("is not a date, such as 2026-06-21T12:00:00"),
     ),
 }
 
@@ -206,21 +194,28 @@ def check(
         return model.model_validate(document, context={FOLDER: path.parent}), []
     except pydantic.ValidationError as error:
         mistakes: list[Any] = [*error.errors()]
-        meant = set(filter(None, (_intended_key(mistake, document, kind) for mistake in mistakes)))
+        meant = set()  # dotted names of the keys that misspelt ones stand for
+        for mistake in mistakes:
+            if mistake["type"] == "extra_forbidden":
+                section, _, key = ".".join(map(str, mistake["loc"])).rpartition(".")
+                near = nearest(key, kind.keys_of(section, document))
+                meant.add(".".join(filter(None, (section, near))))
         missing: dict[tuple[Any, ...], Any] = {}
         relevant: list[Any] = []  # missing keys of a section once, and none that is misspelt
         for mistake in mistakes:
-            if mistake["type"] == "too_short" and _has_wrong_entries(mistake, mistakes):
+            place = mistake["loc"]
+            # a list may be short because its wrong entries, which have lines, do not count
+            within = [one for one in mistakes if one["loc"][: len(place)] == place]
+            if mistake["type"] == "too_short" and len(within) > 1:
                 continue
             if mistake["type"] != "missing":
                 relevant.append(mistake)
-            elif _dotted_name(mistake) not in meant:
-                *section, key = mistake["loc"]
-                if section and tuple(section) in missing:
-                    missing[tuple(section)]["keys"].append(key)
+            elif ".".join(map(str, place)) not in meant:
+                if place[:-1] and place[:-1] in missing:
+                    missing[place[:-1]]["keys"].append(place[-1])
                 else:
-                    relevant.append({**mistake, "keys": [key]})
-                    missing[tuple(section)] = relevant[-1]
+                    relevant.append({**mistake, "keys": [place[-1]]})
+                    missing[place[:-1]] = relevant[-1]
         return None, [_explain(mistake, document, text, path, kind) for mistake in relevant]
 
 
@@ -240,20 +235,13 @@ def parse_toml(text: str, path: Path, kind: FileKind) -> dict[str, Any]:
         raise ConfigurationError(_not_toml(str(error), text, path)) from None
     except RecursionError:
         document = None
-    if document is None or not _is_flat_enough(document):
+    level: list[Any] = [document]  # functions that call themselves follow what is nested
+    for _ in range(_DEEPEST):
+        within = (one.values() if isinstance(one, dict) else one for one in level if one)
+        level = [part for parts in within for part in parts if isinstance(part, dict | list)]
+    if document is None or level:
         raise ConfigurationError(f"{path}: lists or tables are nested too deeply")
     return document
-
-
-def _is_flat_enough(document: dict[str, Any]) -> bool:
-    """Whether what is nested can be followed by functions that call themselves."""
-    level: list[Any] = [document]
-    for _ in range(_DEEPEST):
-        within = (one.values() if isinstance(one, dict) else one for one in level)
-        level = [part for parts in within for part in parts if isinstance(part, dict | list)]
-        if not level:
-            return True
-    return False
 
 
 def named_keys(message: str) -> list[str]:
@@ -294,47 +282,22 @@ _GRAMMAR = {
 }
 
 
-def _has_wrong_entries(short: Any, mistakes: Sequence[Any]) -> bool:
-    """Whether a list is short because its wrong entries, which have lines, do not count."""
-    place = short["loc"]
-    return any(other["loc"][: len(place)] == place and other is not short for other in mistakes)
-
-
-def _dotted_name(mistake: Any) -> str:
-    """Dotted name of the key that a mistake is about."""
-    return ".".join(map(str, mistake["loc"]))
-
-
-def _intended_key(mistake: Any, document: dict[str, Any], kind: FileKind) -> str:
-    """Dotted name of the key that a misspelt one stands for, else empty."""
-    if mistake["type"] != "extra_forbidden":
-        return ""
-    section, _, key = _dotted_name(mistake).rpartition(".")
-    near = nearest(key, kind.keys_of(section, document))
-    return ".".join(filter(None, (section, near)))
-
-
 def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path, kind: FileKind) -> str:
     """One line for one of Pydantic's errors."""
     keys = [*mistake["loc"], *choosing_key(mistake)]
     keys = keys or named_keys(mistake["msg"])
     dotted = ".".join(map(str, keys))
     place = place_of(keys, text, path)
-    if mistake["type"] == "extra_forbidden":
-        return f"{place}: {_unknown_key(dotted, document, kind)}"
-    return f"{place}: {format_error(mistake, dotted)}"
-
-
-def _unknown_key(dotted: str, document: dict[str, Any], kind: FileKind) -> str:
+    if mistake["type"] != "extra_forbidden":
+        return f"{place}: {format_error(mistake, dotted)}"
     section, _, key = dotted.rpartition(".")
     known = [name for name in kind.keys_of(section, document) if name != key]
-    near = nearest(key, known)
-    where = f"[{section}]" if section else kind.name
     owner = _owner_of(key, known)
     if owner:
-        return f"{dotted} belongs to {owner}; remove it, or choose that"
+        return f"{place}: {dotted} belongs to {owner}; remove it, or choose that"
+    near, where = nearest(key, known), f"[{section}]" if section else kind.name
     hint = did_you_mean(key, near) if near else f"{where} takes {', '.join(known)}"
-    return f"{dotted} is not a key of {where}; {hint}"
+    return f"{place}: {dotted} is not a key of {where}; {hint}"
 
 
 def _owner_of(key: str, known: list[str]) -> str:
@@ -352,32 +315,24 @@ def _owner_of(key: str, known: list[str]) -> str:
 
 
 def place_of(keys: list[Any], text: str, path: Path) -> str:
-    """File and, where it is found, line of a key; ``text``: of the TOML file."""
-    line = _line_of(keys, text)
-    return f"{path}:{line}" if line else f"{path}"
-
-
-def _line_of(keys: list[Any], text: str) -> int | None:
-    """Number of the line where a key, or else its section, stands in a TOML text."""
-    if not keys:
-        return None
+    """File and, where it is found, line of a key, or else its section; ``text``: of the file."""
     keys = [str(key) for key in keys]
-    section, section_line = [], None
+    section, section_place = [], f"{path}"
     entries: Counter[str] = Counter()  # of arrays of tables, so far
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.splitlines() if keys else (), start=1):
         header = re.match(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]", line)
         if header:
             section = [part.strip().strip("\"'") for part in header[2].split(".")]
             if header[1] == "[[":
                 section.append(str(entries[header[2]]))
                 entries[header[2]] += 1
-            if section == keys[: len(section)]:
-                section_line = section_line or number
-                if section == keys:
-                    return number
+            if section == keys:
+                return f"{path}:{number}"
+            if section == keys[: len(section)] and section_place == f"{path}":
+                section_place = f"{path}:{number}"
             continue
         name = line.partition("=")[0]
-        path = section + [part.strip().strip("\"'") for part in name.split(".")]
-        if "=" in line and path == keys[: len(path)]:
-            return number
-    return section_line
+        named = section + [part.strip().strip("\"'") for part in name.split(".")]
+        if "=" in line and named == keys[: len(named)]:
+            return f"{path}:{number}"
+    return section_place

@@ -104,6 +104,25 @@ def test_a_changed_constant_counts(disk):
     assert bands[1].upper > bands[0].upper
 
 
+def test_a_changed_constant_counts_for_derivatives_and_a_search_is_traced_once(disk):
+    module, calls = types.ModuleType("notebook"), []
+
+    def share(self, excess, state):
+        calls.append(1)
+        return module.FACTOR
+
+    def slope_of(function):
+        return float(jax.grad(lambda radius: function(lf.Disk(disk.film, radius)))(0.01))
+
+    model, slopes = own(share), []
+    for module.FACTOR in (1.0, 3.0):
+        slopes.append(slope_of(lambda disk: lifts(disk, model)))
+    assert slopes[1] == pytest.approx(3.0 * slopes[0], rel=1e-6)
+    calls.clear()
+    slope_of(lambda disk: lf.levitate(disk, STATE, model).irradiance)
+    assert len(calls) <= 3  # one for each shape and type that the search asks for
+
+
 def test_a_class_attribute_and_a_replaced_method_count(disk):
     model = own(lambda self, excess, state: self.factor, factor=1.0)
     before = lifts(disk, model)

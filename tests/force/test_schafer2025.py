@@ -358,7 +358,7 @@ def outcomes(x):
 
 
 def test_derivatives_jit_and_vmap(require_derivatives):
-    require_derivatives(outcomes, POINT, 2e-6, 2e-8, modes=(jax.jacrev, jax.jacfwd))
+    require_derivatives(outcomes, POINT, 2e-6, 2e-8)
 
 
 def test_levitation_and_its_derivatives(require_derivatives):

@@ -314,7 +314,7 @@ def outcomes(x, model):
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)
 def test_derivatives_jit_and_vmap(require_derivatives, model):
-    require_derivatives(lambda x: outcomes(x, model), POINT, 1e-5, 1e-5, modes=(jax.jacfwd,))
+    require_derivatives(lambda x: outcomes(x, model), POINT, 1e-5, 1e-5, mode=jax.jacfwd)
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)

@@ -9,11 +9,10 @@ import pytest
 from scipy.optimize import brentq, root
 
 import lightflyer as lf
-from lightflyer.array.linear import solve_linear
 from lightflyer.array.namespace import by_numpy
 from lightflyer.array.transformations import compiled
 from lightflyer.numerics.rootfind import SolverStatus
-from lightflyer.numerics.system import solve_system
+from lightflyer.numerics.system import solve_linear, solve_system
 
 COUNT = 200
 

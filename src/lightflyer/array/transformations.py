@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from lightflyer.array import tree
-from lightflyer.array.linear import solve_linear
 from lightflyer.array.namespace import (
     Array,
     by_jax,
@@ -95,24 +94,16 @@ def shape_of(function: Callable[..., Any], *args: Any) -> Any:
 
 
 def implicit(
-    residual: Callable[[Any], Any], guess: Any, solve: Callable[[Any, Any], tuple[Any, Any]]
+    residual: Callable[[Any], Any],
+    guess: Any,
+    solve: Callable[[Any, Any], tuple[Any, Any]],
+    invert: Callable[[Any, Any], Any],
 ) -> tuple[Any, Any]:
     """A root under JAX, with the derivative of its equations, and what its search gives besides.
 
-    Unknowns and equations are an array, or a tuple of several of one shape: a system of its own in
-    each element.
+    ``invert``: solves a linear function for a value.
     """
     jax = call.jax
-
-    def invert(linear: Callable[[Any], Any], vector: Any) -> Any:
-        if not isinstance(vector, tuple):
-            return vector / linear(xp.ones_like(vector))
-        columns = [
-            linear(tuple(xp.full_like(entry, place == index) for place, entry in enumerate(vector)))
-            for index in range(len(vector))
-        ]
-        return solve_linear(tuple(zip(*columns, strict=True)), vector)
-
     kinds: list[Any] = []
 
     def solve_in_numbers(function: Any, guess: Any) -> tuple[Any, Any]:

@@ -285,7 +285,10 @@ def implicit_root(
         root, outcome = search()
         return xp.broadcast_to(root, guess.shape), outcome
 
-    return implicit(residual, xp.zeros(shape_of(residual, 0.0), float), solve)
+    def invert(linear: Callable[[Array], Array], value: Array) -> Array:
+        return value / linear(xp.ones_like(value))
+
+    return implicit(residual, xp.zeros(shape_of(residual, 0.0), float), solve, invert)
 
 
 def reach(

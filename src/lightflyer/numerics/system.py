@@ -20,7 +20,6 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lightflyer.array import tree
-from lightflyer.array.linear import solve_linear
 from lightflyer.array.namespace import Array, Numeric, call, xp
 from lightflyer.array.records import Module
 from lightflyer.array.transformations import either, implicit, repeat_while, shape_of, with_slopes
@@ -57,6 +56,37 @@ _FEW, _MANY_LEFT = 64, 0.6
 """Elements, and share of them, above which those that have ended are not worth leaving out."""
 
 _SHRINKAGE = 0.3  # A step that does not help is shortened to this share
+
+
+def solve_linear(matrix: Sequence[Sequence[Array]], vector: Sequence[Array]) -> tuple[Array, ...]:
+    """Solve linear systems, one in every element; ``matrix``: rows of the matrices."""
+    # The solution is written out in array operations, which XLA fuses with what stands around them:
+    # a call to LAPACK for every small matrix would take longer than all else together.
+    # Differentiable where the matrix is regular.
+    if len(vector) == 2:  # Cramer's rule loses no accuracy for two, and is half the work
+        (a, b), (c, d) = matrix
+        first, second = vector
+        inverse = 1.0 / (a * d - b * c)
+        return (first * d - b * second) * inverse, (a * second - first * c) * inverse
+    # Gaussian elimination with partial pivoting
+    rows = [[*row, right] for row, right in zip(matrix, vector, strict=True)]
+    for pivot in range(len(rows)):
+        for below in range(pivot + 1, len(rows)):
+            larger = xp.abs(rows[below][pivot]) > xp.abs(rows[pivot][pivot])
+            pairs = list(zip(rows[pivot], rows[below], strict=True))
+            rows[pivot] = [xp.where(larger, lower, upper) for upper, lower in pairs]
+            rows[below] = [xp.where(larger, upper, lower) for upper, lower in pairs]
+        for below in range(pivot + 1, len(rows)):
+            share = rows[below][pivot] / rows[pivot][pivot]
+            rows[below] = [
+                entry - share * above for entry, above in zip(rows[below], rows[pivot], strict=True)
+            ]
+    solution: list[Array] = []
+    for index, (*coefficients, right) in reversed(list(enumerate(rows))):
+        for coefficient, known in zip(reversed(coefficients), solution, strict=False):
+            right = right - coefficient * known
+        solution.append(right / coefficients[index])
+    return tuple(reversed(solution))
 
 
 class _Newton(Module):
@@ -370,7 +400,14 @@ def implicit_system(
     def wide(point: Unknowns) -> Unknowns:
         return tuple(xp.broadcast_to(entry, guess[0].shape) for entry in residual(point))
 
-    return implicit(wide, guess, lambda *_: search())
+    def invert(linear: Callable[[Unknowns], Unknowns], vector: Unknowns) -> Unknowns:
+        columns = [
+            linear(tuple(xp.full_like(entry, place == index) for place, entry in enumerate(vector)))
+            for index in range(len(vector))
+        ]
+        return solve_linear(tuple(zip(*columns, strict=True)), vector)
+
+    return implicit(wide, guess, lambda *_: search(), invert)
 
 
 def _usable(guess: Array, bound: float) -> Array:

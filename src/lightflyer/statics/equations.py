@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from lightflyer.array.memory import kept
+from lightflyer.array.memory import kept, traced_once
 from lightflyer.array.namespace import Array, Numeric, as_numpy, xp
 from lightflyer.array.records import Module
 from lightflyer.core.checks import is_traced
@@ -85,6 +85,7 @@ class FlightEquations(Module):
         needed = loss - total(self.flyer.heat_gains(self.state))
         return needed / xp.where(area > 0.0, area, 1.0), area > 0.0
 
+    @traced_once
     def heat_flows(self, unknowns: tuple[Any, ...]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
         """Power that each node loses to the gas, and by radiation and to the others [W]."""
         gas: Any = self.model.heat_loss(self.flyer, self.state, unknowns)
@@ -108,6 +109,7 @@ class FlightEquations(Module):
         flows = self.model.flow_balance(self.flyer, self.state, unknowns)
         return *self.heat_flows(unknowns), as_numpy(tuple(flows))
 
+    @traced_once
     def upward_force(self, unknowns: tuple[Any, ...]) -> Array:
         """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
         force = self.model.force(self.flyer, self.state, unknowns)
@@ -159,6 +161,7 @@ class FlightEquations(Module):
 
 
 @kept
+@traced_once
 def _areas_and_gains(
     flyer: AbstractFlyer, state: EnvironmentState
 ) -> tuple[tuple[Array, ...], tuple[Array, ...]]:

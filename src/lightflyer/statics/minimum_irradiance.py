@@ -17,7 +17,6 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from lightflyer.array import tree
-from lightflyer.array.linear import solve_linear
 from lightflyer.array.namespace import Array, call, xp
 from lightflyer.array.transformations import repeat_while, stop_gradient, with_slopes
 from lightflyer.flyer.base import HIGHEST_TEMPERATURE
@@ -30,7 +29,7 @@ from lightflyer.numerics.rootfind import (
     geometric_middle,
     power_step,
 )
-from lightflyer.numerics.system import implicit_system
+from lightflyer.numerics.system import implicit_system, solve_linear
 from lightflyer.statics.balance import imbalances, largest_power, solve_balance
 from lightflyer.statics.equations import FlightEquations, total
 

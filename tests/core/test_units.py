@@ -149,11 +149,12 @@ m metre meter s second minute min hour h day d rad radian degree deg inch in foo
 angstrom percent kelvin K ampere A bit Hz hertz newton N pascal Pa bar atmosphere atm torr mmHg
 psi inHg joule J eV watt W volt V ohm knot kt mph
 """
+PINT = pint.UnitRegistry()
 
 
 @pytest.mark.parametrize("name", OF_PINT.split())
 def test_a_unit_is_that_of_pint(name):
-    theirs = pint.UnitRegistry().Quantity(1.0, name)
+    theirs = PINT.Quantity(1.0, name)
     base = f"{theirs.to_base_units().units:~C}".replace("**", "^") or "dimensionless"
     factor, offset = scale_and_offset(name, base)
     digits = 2e-7 if name in {"psi", "inHg", "mmHg", "torr"} else 1e-15  # rounded in Pint's list
@@ -163,7 +164,7 @@ def test_a_unit_is_that_of_pint(name):
 
 @pytest.mark.parametrize("prefix", ["T", "giga", "M", "k", "hecto", "c", "milli", "µ", "u", "n"])
 def test_a_prefix_is_that_of_pint(prefix):
-    theirs = pint.UnitRegistry().Quantity(1.0, f"{prefix}Pa").to("Pa").magnitude
+    theirs = PINT.Quantity(1.0, f"{prefix}Pa").to("Pa").magnitude
     assert scale_and_offset(f"{prefix}Pa", "Pa")[0] == pytest.approx(theirs, rel=1e-15)
 
 

@@ -250,11 +250,8 @@ def test_under_jit_what_is_impossible_is_nan():
     def payload(radius):
         return lf.payload(lf.Disk(FILM, radius), STATE, LU)
 
-    for transformed in (jax.jit(payload), jax.vmap(payload)):
-        found = transformed(np.array([-0.01, 0.0, 0.01]))
-        np.testing.assert_array_equal(np.isnan(found), [True, True, False])
-    with lf.float64():
-        assert jax.jit(payload)(0.01) == pytest.approx(payload(0.01), rel=1e-12)
+    found = jax.jit(jax.vmap(payload))(np.array([-0.01, 0.0, 0.01]))
+    np.testing.assert_array_equal(np.isnan(found), [True, True, False])
 
 
 def test_own_models_and_rules_of_the_wrong_kind_are_one_clear_line():

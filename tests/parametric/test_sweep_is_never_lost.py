@@ -184,17 +184,17 @@ def flip_a_bit(path):
 
 
 @pytest.mark.parametrize("damage", [lambda path: path.write_text("{"), Path.unlink, flip_a_bit])
-@pytest.mark.parametrize("part", ["zarr.json", "lift/zarr.json", "altitude/zarr.json",
-                                  "flyer.diameter/c/0"])  # fmt: skip
-def test_descriptions_and_coordinates_that_are_lost_are_written_anew(study, tmp_path, part, damage):
+def test_descriptions_and_coordinates_that_are_lost_are_written_anew(study, tmp_path, damage):
     folder = tmp_path / "results.zarr"
     sweep_into(study, folder, chunk=100, evaluator=StandIn())
-    before, whole = lf.parametric.open_sweep(folder).load(), (folder / part).read_bytes()
-    damage(folder / part)
-    report = sweep_into(study, folder, evaluator=StandIn(fail_at=0, with_error=AssertionError))
-    assert report.computed == 0
-    xr.testing.assert_identical(lf.parametric.open_sweep(folder).load(), before)
-    assert (folder / part).read_bytes() == whole  # whether or not a reader needs it
+    before = lf.parametric.open_sweep(folder).load()
+    for part in ("zarr.json", "lift/zarr.json", "altitude/zarr.json", "flyer.diameter/c/0"):
+        whole = (folder / part).read_bytes()
+        damage(folder / part)
+        report = sweep_into(study, folder, evaluator=StandIn(fail_at=0, with_error=AssertionError))
+        assert report.computed == 0, part
+        xr.testing.assert_identical(lf.parametric.open_sweep(folder).load(), before)
+        assert (folder / part).read_bytes() == whole, part  # whether or not a reader needs it
 
 
 def test_files_beside_a_store_that_was_cut_off_are_left_alone(study, tmp_path):

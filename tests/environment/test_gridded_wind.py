@@ -127,10 +127,10 @@ def test_rows_that_stop_before_the_pole_are_joined_across_it():
 
 def test_polar_rows_that_repeat_one_pair_of_numbers_are_joined_across():
     """As ERA5 has them (nextsimhub/nextsimdg#368, slcs-jsc/mptrac#32): a wind across the pole."""
-    data = dataset(step=0.5, speed=4.0)
+    data = dataset(step=0.5, speed=4.0).isel(time=0, drop=True)
     for row in (0, -1):
         for name in ("u", "v"):
-            data[name].values[:, :, row] = data[name].values[:, :, row, :1]
+            data[name].values[:, row] = data[name].values[:, row, :1]
     grid = GriddedWind(data)
     latitudes, longitudes = np.radians([90.0, 89.9, 89.75, 89.5, -90.0, -89.9]), np.full(6, 0.7)
     east, north, _ = grid.velocity(50e3, Place(latitudes, longitudes, 0.0))

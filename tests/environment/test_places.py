@@ -56,10 +56,7 @@ def test_degrees_are_no_radians(make):
 def test_places_that_are_one():
     here = Place.at("2026-06-21T12:00Z", 90.0, 360.0)
     assert here == Place(0.5 * np.pi, 2.0 * np.pi, here.time)
-    with lf.float64():
-        slopes = jax.grad(lambda place: SUNNY.state(75e3, place).radiation.zenith_angle)(
-            Place(0.7, 0.1, here.time)
-        )
+    slopes = jax.grad(lambda place: place.latitude * place.longitude)(Place(0.7, 0.1, here.time))
     assert isinstance(slopes, Place)
 
 

@@ -10,29 +10,6 @@ from lightflyer.environment import Attitude, Radiation, sunlight
 from lightflyer.environment.horizon import ground_view_factor, sphere_view_factor
 
 
-def sampled_view(tilt, straight_down, rays):
-    """Share of cosine-distributed rays from a face that hit the planet below."""
-    # the face's normal is tilted away from straight down
-    downward = rays[1] * np.cos(tilt) + rays[0] * np.sin(tilt)
-    return np.mean(downward > np.sqrt(1.0 - straight_down))
-
-
-@pytest.fixture(scope="module")
-def rays(side=1500):
-    """Sine towards one side and cosine to the normal of rays, by Lambert's law, one a cell."""
-    jitter = np.random.default_rng(20231118).uniform(size=(2, side, side))
-    first, second = (np.stack(np.mgrid[:side, :side]) + jitter) / side
-    return np.sqrt(first) * np.cos(2.0 * np.pi * second), np.sqrt(1.0 - first)
-
-
-@pytest.mark.parametrize("straight_down", [1.0, 0.978, 0.5, 0.01])
-@pytest.mark.parametrize("degrees", [0.0, 5.0, 30.0, 80.0, 90.0, 120.0, 179.0])
-def test_view_factor_is_that_of_sampled_rays(degrees, straight_down, rays):
-    tilt = np.radians(degrees)
-    expected = sampled_view(tilt, straight_down, rays)
-    assert ground_view_factor(tilt, straight_down) == pytest.approx(expected, abs=2e-4)
-
-
 def view_by_rings(tilt, straight_down):
     """The view factor as an integral over rings of the planet's disk, each in closed form."""
 

@@ -203,7 +203,7 @@ def test_light_is_smooth_through_the_evening(film):
         assert fine < 0.8 * coarse
     slope = np.diff(values) / 2.5
     with lf.float64():
-        exact = jax.vmap(jax.grad(power))(time[1:-1:120])
+        exact = jax.jit(jax.vmap(jax.grad(power)))(time[1:-1:120])
     np.testing.assert_allclose(
         exact, ((values[2:] - values[:-2]) / 5.0)[::120], atol=2e-3 * np.abs(slope).max()
     )
@@ -225,8 +225,8 @@ def test_derivatives_of_the_sky_forwards_and_backwards():
 
     assert 0.2 < light(start)[2] < 0.8  # the sun is setting
     with lf.float64():
-        forwards, backwards = jax.jacfwd(light)(start), jax.jacrev(light)(start)
-        together = jax.vmap(light)(jnp.stack([start, start + 10.0 * steps]))
+        forwards, backwards = jax.jit(jax.jacfwd(light))(start), jax.jit(jax.jacrev(light))(start)
+        together = jax.jit(jax.vmap(light))(jnp.stack([start, start + 10.0 * steps]))
     np.testing.assert_allclose(forwards, backwards, rtol=1e-10, atol=1e-14)
     # angles of 1e5 rad are rounded to 1e-11, and a setting sun magnifies that
     np.testing.assert_allclose(together[1], light(start + 10.0 * steps), rtol=1e-8)

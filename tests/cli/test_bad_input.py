@@ -375,10 +375,6 @@ def test_altitudes_beyond_the_atmosphere(refuses, flyer_file):
     assert not (path.parent / "out").exists()
 
 
-def test_the_number_of_mistakes_looked_at():
-    assert len(FLYERS) + len(STUDIES) + len(COMMANDS) + len(POINTS) + len(OBJECTS) >= 150
-
-
 def test_advice_for_scripts_is_not_given_to_commands(refuses, monkeypatch):
     fails = partial(require_converged, "x", np.array([1]), np.array([1.0]))
     with pytest.raises(lf.ConvergenceError, match="or pass throw=False"):

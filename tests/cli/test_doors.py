@@ -94,14 +94,13 @@ def test_code_is_kept_where_nobody_else_may_exchange_it(tmp_path, monkeypatch, m
     assert (json.loads(text)["compiled_code"]["open_to_others"] is None) == kept
 
 
-@pytest.mark.parametrize("setting", ["off", "OFF"])
-def test_numba_writes_nothing_where_nothing_is_to_be_kept(setting):
+def test_numba_writes_nothing_where_nothing_is_to_be_kept():
     look = (
         "from lightflyer.kinetic_theory.grid import kernels\n"
         "@kernels.kernel\ndef f(x):\n    return x + 1.0\n"
         "print(f._cache.cache_path, kernels.keeps_code())"
     )
-    done = subprocess.run([sys.executable, "-c", look], env=os.environ | {cache.SETTING: setting},
+    done = subprocess.run([sys.executable, "-c", look], env=os.environ | {cache.SETTING: "OFF"},
                           capture_output=True, text=True, check=True)  # fmt: skip
     assert done.stdout.split() == ["None", "False"]
 
@@ -172,7 +171,8 @@ def test_a_report_that_cannot_be_written_is_told_first(refuses, flyer_file, tmp_
 
 @POSIX
 def test_closed_streams_change_nothing_else(flyer_file, tmp_path):
-    done = command("predict", flyer_file(), "--samples 0", "--out", tmp_path / "o", suffix="2>&-")
+    asked = ("predict", flyer_file(), "--samples 0", "--format svg", "--out", tmp_path / "o")
+    done = command(*asked, suffix="2>&-")
     assert done.returncode == 0
     assert "It flies" in done.stdout
     assert (tmp_path / "o" / "prediction.nc").stat().st_size
@@ -208,10 +208,10 @@ def test_a_library_that_finds_no_room_is_a_line(refuses, monkeypatch):
 
 @POSIX
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_what_is_ended_leaves_nothing(flyer_file, tmp_path, number):
+def test_what_is_ended_leaves_nothing(tmp_path, number):
     program = (
         "import time, sys\n"
-        "from lightflyer import __main__ as command, cli\n"
+        "import lightflyer.cli as cli, lightflyer.__main__ as command\n"
         "from lightflyer.core.atomic_files import output_directory\n"
         "def run():\n"
         f"    with output_directory(__import__('pathlib').Path({str(tmp_path / 'o')!r})):\n"

@@ -5,11 +5,11 @@ import pytest
 from lightflyer.files.result_text import NARROW
 
 GOOD = [
-    "predict flyer.toml --samples 0", "predict flyer.toml --samples 0 --verbose",
+    "predict flyer.toml --samples 0 --verbose",
     "predict layers.toml --samples 0 --verbose", "predict laden.toml --samples 0",
     "film layers.toml", "fly mission.toml", "materials", "doctor",
     "compare flyer.toml laden.toml --samples 0", "drift flyer.toml", "stability laden.toml",
-    "swarm flyer.toml --payload 1g", "calibrate points.csv --flyer chamber.toml",
+    "swarm flyer.toml --payload 100mg", "calibrate points.csv --flyer chamber.toml",
     "lab levitation points.csv",
 ]  # fmt: skip
 BAD = [

@@ -79,7 +79,7 @@ def field(index, size, points):
 
 @pytest.mark.parametrize(("index", "size"), [(1.57 - 0.038j, 4.0), (1.95 - 0.79j, 3.0)])
 def test_a_sphere_on_a_grid_is_as_mie_says(index, size, tmp_path):
-    points = grid(32)
+    points = grid(24)
     q = field(index, size, points)
     path = write(tmp_path / "IntField-Y", points, q, HEADER)
     turned = field(index, size, points[::-1, [1, 0, 2]])

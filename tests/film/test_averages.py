@@ -47,28 +47,6 @@ def test_planck_weighted_integration_has_converged():
     np.testing.assert_allclose(plain, finer, rtol=1e-5)
 
 
-def test_kirchhoff_on_both_faces_by_an_independent_integration():
-    """Emittance of a face is the absorptance for light onto it, here with tmm and few points."""
-    film = Film((Layer(flat(3.0, 0.4), 3e-7), Layer(flat(1.6, 0.02), 1e-6)))
-    wavelength = np.geomspace(2e-6, 90e-6, 60)
-    weight = np.gradient(np.log(wavelength)) * wavelength * planck(wavelength, 400.0)
-    cosines, shares = np.polynomial.legendre.leggauss(8)
-    angles = np.arccos(0.5 * (cosines + 1.0))
-    for side, layers in (("top", film.layers), ("bottom", film.layers[::-1])):
-        index = [1.0, *(complex(*layer.material.index(1e-5)) for layer in layers), 1.0]
-        d = [np.inf, *(layer.thickness for layer in layers), np.inf]
-        spectral = [
-            sum(
-                share * np.cos(angle) * (1.0 - data["R"] - data["T"])
-                for angle, share in zip(angles, shares, strict=True)
-                for data in [tmm.unpolarized_RT(index, d, angle, point)]
-            )
-            for point in wavelength
-        ]
-        expected = np.sum(weight * spectral) / weight.sum()
-        assert emittance(film, 400.0, side=side).value == pytest.approx(expected, rel=5e-3)
-
-
 def flat(n, k):
     table = np.array([1e-7, 4e-3]), np.array([n, n]), np.array([k, k])
     return tabulated_material(f"flat {n} {k}", *table, density=1000.0)

@@ -14,6 +14,7 @@ from lightflyer.film import (
     Spectrum,
     area_weighted_mean,
     cold_white_led,
+    emittance,
     light_shares,
     material,
     planck,
@@ -75,15 +76,18 @@ def test_shares_of_light_are_those_of_tmm(film, side):
     np.testing.assert_allclose([one.value for one in diffuse], expected, rtol=1e-12)
 
 
-def test_shares_of_heat_radiation_by_an_independent_integration(film):
+@pytest.mark.parametrize("side", ["top", "bottom"])
+def test_shares_of_heat_radiation_by_an_independent_integration(film, side):
+    """Emittance of a face is the absorptance for light onto it (Kirchhoff)."""
     cosines, shares = np.polynomial.legendre.leggauss(8)
     cosines = 0.5 * (cosines + 1.0)
     wavelengths = np.geomspace(2e-6, 90e-6, 60)
     weights = np.gradient(np.log(wavelengths)) * wavelengths * planck(wavelengths, 400.0)
     directions = np.arccos(cosines), shares * cosines
-    expected = by_tmm(film, "bottom", wavelengths, weights / weights.sum(), *directions)
-    mean = heat_shares(film, 400.0, side="bottom")
+    expected = by_tmm(film, side, wavelengths, weights / weights.sum(), *directions)
+    mean = heat_shares(film, 400.0, side=side)
     np.testing.assert_allclose([one.value for one in mean], expected, rtol=5e-3)
+    assert emittance(film, 400.0, side=side).value == pytest.approx(mean[0].value, rel=1e-12)
     several = heat_shares(film, np.array([150.0, 300.0, 900.0]), points_per_e_fold=400)
     np.testing.assert_allclose(sum(one.value for one in several), 1.0, atol=1e-12)
 

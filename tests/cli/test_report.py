@@ -1,12 +1,15 @@
 """``--report``: one page of everything that a command prints and draws."""
 
 import base64
+import contextlib
 import hashlib
+import io
 import re
 from html.parser import HTMLParser
 
 import pytest
 
+from lightflyer.cli import main
 from lightflyer.files import page
 from lightflyer.files.result_text import unwrap, wrap
 
@@ -46,23 +49,34 @@ class Elements(HTMLParser):
         self.texts.append(data)
 
 
+def written(path, *names):
+    """A file of points of each of the samples."""
+    quoted = ['"' + name.replace('"', '""') + '"' for name in names or ("Ge",)]
+    rows = (  # no two samples have the same points
+        f"{name},{x:g},{y + number:g}\n" for number, name in enumerate(quoted) for x, y in CURVE
+    )
+    path.write_text(HEADER + "".join(rows), encoding="utf-8")
+    return path
+
+
 @pytest.fixture
 def points(tmp_path):
-    def write(*names):
-        path = tmp_path / "points.csv"
-        quoted = ['"' + name.replace('"', '""') + '"' for name in names or ("Ge",)]
-        rows = (  # no two samples have the same points
-            f"{name},{x:g},{y + number:g}\n" for number, name in enumerate(quoted) for x, y in CURVE
-        )
-        path.write_text(HEADER + "".join(rows), encoding="utf-8")
-        return path
-
-    return write
+    return lambda *names: written(tmp_path / "points.csv", *names)
 
 
-def test_the_page_says_what_the_terminal_says(prints, points, tmp_path):
-    path, target = points(), tmp_path / "report.html"
-    printed = prints("lab", "levitation", path, "--report", target)
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory):
+    """Points, what the command prints of them, and its page, in a folder of their own."""
+    folder = tmp_path_factory.mktemp("report")
+    path, target = written(folder / "points.csv"), folder / "report.html"
+    with contextlib.redirect_stdout(io.StringIO()) as shown, pytest.raises(SystemExit) as end:
+        main(["lab", "levitation", str(path), "--report", str(target)])
+    assert not end.value.code
+    return path, shown.getvalue(), target
+
+
+def test_the_page_says_what_the_terminal_says(reported):
+    path, printed, target = reported
     assert printed.splitlines()[-1] == f"wrote {target}"
     found = Elements(target.read_text(encoding="utf-8"))
     text = " ".join(" ".join(found.texts).split())
@@ -72,7 +86,7 @@ def test_the_page_says_what_the_terminal_says(prints, points, tmp_path):
     assert found.texts.count("Lab levitation: points") == 2  # in the window and on the page
     assert path.read_text(encoding="utf-8").strip() in "".join(found.texts)
     assert set(found.tags) <= ALLOWED
-    assert {path.name for path in tmp_path.iterdir()} == {"points.csv", "report.html"}
+    assert {path.name for path in target.parent.iterdir()} == {"points.csv", "report.html"}
 
 
 def test_the_page_opens_with_what_was_found(run, points, tmp_path):
@@ -106,10 +120,8 @@ def test_reports_of_the_lab_open_with_what_was_measured(
     assert first.startswith(opening)
 
 
-def test_letters_of_figures_do_not_shrink_on_a_phone(run, points, tmp_path):
-    target = tmp_path / "report.html"
-    run("lab", "levitation", points(), "--report", target)
-    whole = target.read_text(encoding="utf-8")
+def test_letters_of_figures_do_not_shrink_on_a_phone(reported):
+    whole = reported[2].read_text(encoding="utf-8")
     (width, source), *others = re.findall(r'<img [^>]*width="(\d+)" src="([^"]+)"', whole)
     assert not others
     drawing = base64.b64decode(source.partition(";base64,")[2]).decode()
@@ -121,22 +133,21 @@ def test_letters_of_figures_do_not_shrink_on_a_phone(run, points, tmp_path):
 
 def test_a_page_made_again_names_its_inputs_and_not_itself(run, points, tmp_path):
     path, target = points().rename(tmp_path / "germanium.csv"), tmp_path / "report.html"
-    for _ in range(2):
-        assert run("lab", "levitation", path, "--report", target)[0] == 0
+    target.write_text("old")
+    assert run("lab", "levitation", path, "--report", target)[0] == 0
     texts = Elements(target.read_text(encoding="utf-8")).texts
     assert "Lab levitation: germanium" in texts
     assert "germanium.csv" in texts
     assert "report.html" not in texts
 
 
-def test_the_figure_is_within_the_page_and_says_what_it_shows(run, points, tmp_path):
-    target = tmp_path / "report.html"
-    run("lab", "levitation", points(), "--report", target)
-    (source,) = re.findall(r'src="([^"]+)"', target.read_text(encoding="utf-8"))
+def test_the_figure_is_within_the_page_and_says_what_it_shows(reported):
+    whole = reported[2].read_text(encoding="utf-8")
+    (source,) = re.findall(r'src="([^"]+)"', whole)
     kind, _, data = source.partition(";base64,")
     assert kind == "data:image/svg+xml"
     assert b"<svg" in base64.b64decode(data)
-    assert 'alt="irradiance to levitate [kW/m²]' in target.read_text("utf-8")
+    assert 'alt="irradiance to levitate [kW/m²]' in whole
 
 
 def test_nothing_that_a_file_contains_becomes_markup(prints, points, tmp_path):
@@ -157,13 +168,12 @@ def test_a_page_runs_and_fetches_nothing():
     assert "https:" not in whole
 
 
-def test_warnings_and_json_are_on_the_page(run, prints, points, tmp_path):
+def test_warnings_and_json_are_on_the_page(prints, points, reported, tmp_path):
     target = tmp_path / "report.html"
     assert prints("lab", "levitation", points(), "--json", "--report", target).startswith("{")
     text = "".join(Elements(target.read_text(encoding="utf-8")).texts)
     assert '"warnings"' in text
-    run("lab", "levitation", points(), "--report", target)
-    assert '<p class="warning">warning: ' in target.read_text(encoding="utf-8")
+    assert '<p class="warning">warning: ' in reported[2].read_text(encoding="utf-8")
 
 
 def test_a_command_that_fails_writes_no_page(prints, refuses, points, tmp_path):

@@ -163,7 +163,7 @@ def test_another_reading_of_the_flyer_file_is_told(examples, lab_prints, flyer_f
     folder = examples("tac")
     path = flyer_file()
     arguments = ("tac", "tac-reduced.txt", "--update", path, "--face", "top")
-    out = lab_prints(*arguments, "--out", "o")
+    out = lab_prints(*arguments, "--out", "o", "--format", "svg")
     says = "its force model lu2023 takes the heat loss by the reading reported, by which the same"
     assert says in out
     with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:
@@ -181,7 +181,7 @@ def test_another_gas_of_the_flyer_file_is_told(examples, lab_prints, lab_refuses
     arguments = ("tac", "tac-reduced.txt", "--update", path, "--face", "top", "--gas")
     assert "--gauge-factor 1.7" in lab_refuses(*arguments, "argon", "--out", "o")
     arguments = (*arguments[:2], "--gauge-accuracy", "5 %", *arguments[2:])
-    out = lab_prints(*arguments, "argon", "--out", "o")
+    out = lab_prints(*arguments, "argon", "--out", "o", "--format", "svg")
     assert "air, and the coefficient written was measured in argon: a film has another" in out
     with xr.open_dataset(folder / "o" / "tac.nc", engine="h5netcdf") as record:
         assert record.attrs["gas"] == "argon"

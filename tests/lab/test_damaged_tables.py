@@ -15,7 +15,7 @@ from lightflyer.lab.synthetic import example_files
 from lightflyer.lab.tac.data import read_resistance_calibration, read_tac
 from lightflyer.lab.thermography.data import THERMAL, columns_of
 
-EACH = 200
+EACH = 100
 ROWS = 6  # of a file: a damage is then near every kind of cell
 
 

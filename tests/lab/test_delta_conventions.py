@@ -60,8 +60,11 @@ def turned(delta):
     ("shown", "remedy"), [(whole, None), (folded, "folded"), (turned, "reversed")]
 )
 def test_a_convention_of_delta_is_told_and_its_remedy_helps(tmp_path, shown, remedy):
-    """Eleven points: their residuals are as rough as noise, whatever the film."""
-    found = fit_optics(write(tmp_path, shown))
+    """Eleven points: their residuals are as rough as noise, whatever the film.
+
+    https://github.com/PyEllips/pyElli/issues/123, as a file that does not say that it is folded.
+    """
+    found = fit_optics(write(tmp_path, shown), starts=2)
     doubts = [one for one in found.warnings if isinstance(one, Doubt)]
     if remedy is None:
         assert not doubts
@@ -69,7 +72,7 @@ def test_a_convention_of_delta_is_told_and_its_remedy_helps(tmp_path, shown, rem
         assert f'delta = "{remedy}"' in doubts[0]
         with pytest.raises(ConfigurationError, match="--insist writes it all the same"):
             require_no_doubt(tmp_path / "flyer.toml", found.warnings, insist=False)
-        found = fit_optics(write(tmp_path, shown, remedy))
+        found = fit_optics(write(tmp_path, shown, remedy), starts=2)
         assert not [one for one in found.warnings if isinstance(one, Doubt)]
     estimate = found.numbers["layers.0.thickness"]
     assert estimate.value == pytest.approx(THICKNESS, rel=2e-3)
@@ -77,11 +80,12 @@ def test_a_convention_of_delta_is_told_and_its_remedy_helps(tmp_path, shown, rem
 
 def test_residuals_far_above_the_accuracy_are_in_doubt_whatever_their_number(tmp_path):
     """A film of another index, where no convention of Δ helps."""
-    sample = write(tmp_path, whole)
+    write(tmp_path, whole)
     text = SAMPLE.format(delta="full").replace("a = 1.47", "a = 2.4")
     (tmp_path / "sample.toml").write_text(text, encoding="utf-8")
     sample = read_sample(tmp_path / "sample.toml")
-    doubts = [one for one in fit_optics(sample).warnings if isinstance(one, Doubt)]
+    found = fit_optics(sample, starts=2)
+    doubts = [one for one in found.warnings if isinstance(one, Doubt)]
     assert doubts
     assert all("where an accuracy of" in one and "delta =" not in one for one in doubts)
 

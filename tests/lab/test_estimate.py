@@ -62,21 +62,6 @@ def test_a_shared_error_does_not_average_out():
     assert alone.interval[1] - 0.8 == pytest.approx(Z * np.hypot(0.01, 0.02), rel=1e-6)
 
 
-@pytest.mark.parametrize("count", [2, 3, 5])
-@pytest.mark.parametrize("between", [0.0, 2.0])
-def test_weighted_means_cover(count, between, rng):
-    """The interval without Student's factor contains the truth in 80 to 87 % of these."""
-    inside, cases = 0, 400
-    for _ in range(cases):
-        own = rng.uniform(0.5, 1.5, count)
-        values = 10.0 + rng.normal(0.0, np.hypot(own, between))
-        low, high = weighted_mean(list(map(Estimate.normal, values, own))).interval
-        inside += low <= 10.0 <= high
-    assert inside / cases >= 0.93
-    if between:
-        assert inside / cases <= 0.985
-
-
 def test_estimates_without_uncertainty_have_no_weights():
     for estimates in ([], [Estimate(1.0, (0.0, 2.0)), Estimate.normal(1.0, 0.1)],
                       [Estimate.normal(1.0, 0.0), Estimate.normal(2.0, 0.1)]):  # fmt: skip

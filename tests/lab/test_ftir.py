@@ -2,7 +2,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.fft import dct
 from scipy.integrate import quad
 
 import lightflyer as lf
@@ -93,33 +92,6 @@ def test_noise_is_found_and_repeats_average(rng):
     assert accurate.uncertainty == pytest.approx(
         np.hypot(0.005, one.transmittance.band.uncertainty)
     )
-
-
-HAPP_GENZEL = (0.54, 0.46)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("filling", "window"), [(1, (1.0,)), (2, (1.0,)), (4, (1.0,)), (2, HAPP_GENZEL)]
-)
-def test_the_noise_of_a_mean_includes_its_correlation(filling, window):
-    """Noise made in the interferogram; the scatter of band means is what is to be found."""
-    points, top = 3950, 7899.0
-    path = np.arange(points) / points
-    shape = sum(part * np.cos(j * np.pi * path) for j, part in enumerate(window))
-    wavenumber = np.linspace(0.0, top, points * filling + 1)
-    kept = (wavenumber > 400.0) & (wavenumber < 4000.0)
-    clean = 0.8 - 0.3 / (1.0 + ((wavenumber[kept] - 1100.0) / 20.0) ** 2)
-    means, spreads = [], []
-    for seed in range(60):
-        signal = np.zeros(points * filling + 1)
-        signal[:points] = shape * np.random.default_rng(seed).normal(size=points)
-        noise = 0.002 * dct(signal, type=1)[kept] / np.sqrt(2.0 * points)
-        result = reduce_ftir([spectrum(wavenumber[kept] * PER_CM, clean + noise)], accuracy=0.0)
-        pair = (result.transmittance.band, result.transmittance.planck[300.0])
-        means.append([one.value for one in pair])
-        spreads.append([one.uncertainty for one in pair])
-    np.testing.assert_allclose(np.mean(spreads, axis=0), np.std(means, axis=0), rtol=0.25)
 
 
 def test_few_repeats_have_students_factor():

@@ -161,7 +161,8 @@ def test_predict_a_particle(run, prints, file_of, tmp_path):
 @pytest.mark.slow
 def test_predict_a_plate(prints, file_of, tmp_path):
     path = file_of("plate")
-    text, summary, dataset = predicted(prints, path, tmp_path / "out", "--at", "100 Pa")
+    options = ("--at", "100 Pa", "--samples", "0")
+    text, summary, dataset = predicted(prints, path, tmp_path / "out", *options)
     assert text.startswith("plate of 8 mm, 0.01851 mg")
     assert "flow velocity" in text
     (at,) = summary["at"]
@@ -178,7 +179,8 @@ def test_predict_a_plate(prints, file_of, tmp_path):
 @pytest.mark.slow
 def test_predict_a_sandwich(prints, file_of, tmp_path):
     path = file_of("sandwich")
-    text, summary, dataset = predicted(prints, path, tmp_path / "out", "--at", "75 km")
+    options = ("--at", "75 km", "--samples", "0")
+    text, summary, dataset = predicted(prints, path, tmp_path / "out", *options)
     assert text.startswith("sandwich of 2 cm, 0.117 mg")
     assert "warning: gap over the mean free path is" in text
     (at,) = summary["at"]

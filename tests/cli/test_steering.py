@@ -56,7 +56,6 @@ def test_a_command_prints_a_table_and_writes_what_it_says(prints, flyer_file, tm
     (("stability", *RANGE, "--rod", "1"), 'rod = "1" has no unit'),
     (("swarm", *RANGE), "swarm needs --payload (what they carry"),
     (("swarm", *RANGE, "--payload", "1 m"), "payload"),
-    (("swarm", *RANGE, "--payload", "1 g", "--tether", "1 g/m"), "do not carry it"),
 ])  # fmt: skip
 def test_what_cannot_be_is_refused_in_one_line(refuses, flyer_file, given, said):
     command, *options = given

@@ -137,6 +137,7 @@ def grads(data):
     return data.rename(names).rename(pressure="lev", latitude="lat", longitude="lon")
 
 
+@cache
 def independent(index):
     """Winds and air by SciPy, linear in pressure's logarithm, at the level of the height wanted."""
     north, east = np.degrees(PLACES[index])

@@ -28,9 +28,7 @@ def flown(setup, altitude, hours):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("radius", "payload"), [(2.5, 0.0), (2.9, 1.7), (5.0, 10.0), (7.5, 1.0), (20.0, 10.0)]
-)
+@pytest.mark.parametrize(("radius", "payload"), [(2.5, 0.0), (2.9, 1.7), (20.0, 10.0)])
 def test_it_floats_for_days_where_the_verdict_lets_it_rest(setup, radius, payload):
     flyer = dataclasses.replace(setup.flyer, radius=radius, payload=payload)
     changed = dataclasses.replace(setup, flyer=flyer)

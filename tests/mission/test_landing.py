@@ -36,9 +36,9 @@ def cloud(count, seed=0, wide=3e4, long=8e4, turn=0.6):
 def test_an_area_of_gaussian_landings_is_that_of_the_closed_form(share):
     exact = 2.0 * np.pi * 3e4 * 8e4 * np.log(1.0 / (1.0 - share))
     assert size_holding(cloud(200_000), share) == pytest.approx(exact, rel=0.01)
-    found = [_holding(cloud(200, seed), share) for seed in range(1, 41)]
+    found = [_holding(cloud(200, seed), share) for seed in range(1, 25)]
     inside = sum(one.low < exact < one.high for one in found)
-    assert 33 <= inside <= 40  # of 40, 95 % of which are expected; 32 have a chance of 0.1 %
+    assert inside >= 19  # of 24, 95 % of which are expected; fewer have a chance of 0.1 %
     assert np.mean([one.size for one in found]) == pytest.approx(exact, rel=0.05)
     lengths = np.mean([np.linalg.norm(one.axes, axis=0) for one in found], axis=0)
     scale = np.sqrt(-2.0 * np.log(1.0 - share))
@@ -47,7 +47,7 @@ def test_an_area_of_gaussian_landings_is_that_of_the_closed_form(share):
 
 def test_an_area_holds_its_share_of_further_landings_whatever_they_are():
     generator, held = np.random.default_rng(1), []
-    for _ in range(60):  # two clouds, as of day and night
+    for _ in range(25):  # two clouds, as of day and night
         every = generator.standard_normal((1000, 2))
         every[:, 1] += 6.0 * generator.integers(2, size=1000)
         area, later = _holding_alone(every[:100]), every[100:]
@@ -127,10 +127,8 @@ class Field(AbstractWind):
     """Wind that changes with altitude and place."""
 
     def velocity(self, altitude, place):
-        import jax.numpy as jnp
-
         east = 4.0 + 0.6e-3 * altitude
-        north = -6.0 + 8.0 * jnp.sin(4.0 * place.latitude) + 0.2e-3 * altitude
+        north = -6.0 + 8.0 * np.sin(4.0 * place.latitude) + 0.2e-3 * altitude
         return Wind(east, north, 0.0 * altitude)
 
     def describe(self):
@@ -139,7 +137,7 @@ class Field(AbstractWind):
 
 RELEASE = {"latitude": 60.0, "longitude": 165.0, "time": "2026-06-21T12:00Z"}
 SPREAD = {"wind": 4.0, "correlation": 30_000.0, "drag": 0.05, "altitude": 300.0, "distance": 2e3}
-FLIGHTS = 700
+FLIGHTS = 300
 THICKNESS, DISK_RADIUS, TOP = 1e-3, 5e-3, 29e3  # kg/m², m, m
 
 
@@ -180,8 +178,8 @@ def sinking_speeds(heights, factors):
 
 @pytest.fixture(scope="module")
 def monte_carlo():
-    """The same descent by NumPy: times, places and times below levels of 4000 flights."""
-    count, step, generator = 4000, 300.0, np.random.default_rng(2026)
+    """The same descent by NumPy: times, places and times below levels of 1500 flights."""
+    count, step, generator = 1500, 300.0, np.random.default_rng(2026)
     heights, factors = np.linspace(0.0, 31.5e3, 64), np.exp(np.linspace(-0.3, 0.3, 13))
     speed = RegularGridInterpolator((heights, factors), sinking_speeds(heights, factors), "cubic")
     factor = np.exp(SPREAD["drag"] * generator.standard_normal(count))
@@ -258,7 +256,8 @@ def test_two_days_of_landings_are_those_of_an_independent_monte_carlo(landed, mo
         assert area.low < size_holding(theirs, area.share) < area.high
     for level, lasted in below.items():
         mine = landed[f"ensemble_below_fl{level}"].values
-        assert mine.mean() == pytest.approx(lasted.mean(), rel=4e-3)
+        gap = np.abs(mine.mean() - lasted.mean())
+        assert gap < 4.0 * error * lasted.std() + 1e-3 * lasted.mean()
 
 
 def test_a_summary_says_what_an_officer_asks(landed):

@@ -26,8 +26,8 @@ def truth(altitude, hours, latitude, longitude):
     return east, across * 40.0 * np.cos(longitude) + 0.0 * altitude
 
 
-@pytest.fixture
-def path(tmp_path):
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
     hours, north, east = np.arange(0.0, 25.0, 2.0), np.arange(-90.0, 91.0, 2.5), 2.5
     east = np.arange(0.0, 360.0, east)
     axes = np.meshgrid(hours, ALTITUDES, np.radians(north), np.radians(east), indexing="ij")
@@ -37,8 +37,9 @@ def path(tmp_path):
     coordinates = {"time": times, "altitude": ("altitude", ALTITUDES, {"units": "km"})}
     coordinates |= {"latitude": north, "longitude": east}
     data = xr.Dataset({"u": (names, u, unit), "v": (names, v, unit)}, coordinates)
-    data.to_netcdf(tmp_path / "wind.nc", engine="h5netcdf")
-    return tmp_path / "wind.nc"
+    file = tmp_path_factory.mktemp("weather") / "wind.nc"
+    data.to_netcdf(file, engine="h5netcdf")
+    return file
 
 
 def fly(path, *, hour=1, altitude="50 km", duration="10 h", beyond=None, **more):

@@ -120,7 +120,7 @@ def test_names_of_flyer_files_are_no_formulas(run, prints, tmp_path, monkeypatch
     run("init", "=1+1.toml", "--model", "lu2023")
     Path("b.toml").write_bytes(Path("=1+1.toml").read_bytes())
     heights = ("--altitudes", "70 km to 72 km", "--samples", "0")
-    prints("compare", "=1+1.toml", "b.toml", *heights, "--out", "o")
+    prints("compare", "=1+1.toml", "b.toml", *heights, "--out", "o", "--format", "svg")
     rows = list(csv.reader(Path("o/comparison.csv").read_text(encoding="utf-8").splitlines()))
     assert {row[0] for row in rows[1:]} == {"'=1+1", "b"}
 

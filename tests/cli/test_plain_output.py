@@ -16,7 +16,8 @@ CLI = Path(lightflyer.__file__).parent / "cli"
 def test_brackets_in_names_are_no_markup(prints, refuses, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert "wrote o[red]x.toml" in prints("init", "o[red]x.toml", "--model", "lu2023")
-    assert "run [/b] x :smile:" in prints("predict", "o[red]x.toml", "--out", "run [/b] x :smile:")
+    how = ("--samples", "0", "--format", "svg", "--out", "run [/b] x :smile:")
+    assert "run [/b] x :smile:" in prints("predict", "o[red]x.toml", *how)
     refuses("predict", "a[/b].toml")
     assert "[um]" in prints("materials")
 

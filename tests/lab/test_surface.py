@@ -259,6 +259,7 @@ def test_example_files_are_read(write):
 
 NOTHING = "\n".join(["nan " * 20] * 20)
 ROWS = "\n".join(["1 2 3 4"] * 4)
+HEAD = "# Value units: m\n# Width: 1 um\n"
 
 
 @pytest.mark.parametrize(
@@ -268,28 +269,16 @@ ROWS = "\n".join(["1 2 3 4"] * 4)
         ("m.txt", b"\x00\xff\xfe", "is not a text file"),
         ("m.txt", ROWS, "heights have no unit"),
         ("m.txt", "# Value units: m\n" + ROWS, "has no width"),
-        (
-            "m.txt",
-            "# Channel: Phase\n# Value units: m\n# Width: 1 um\n" + NOTHING,
-            "is not a height",
-        ),
+        ("m.txt", f"# Channel: Phase\n{HEAD}{NOTHING}", "is not a height"),
         ("m.txt", "# Value units: W\n# Width: 1 um\n" + ROWS, "wrong kind"),
-        ("m.txt", "# Value units: m\n# Width: 1 um\n" + ROWS, "has 4 x 4 pixels"),
+        ("m.txt", HEAD + ROWS, "has 4 x 4 pixels"),
         ("m.txt", ROWS + "\n1 2 x 4", ':5: "x" is not a number'),
-        (
-            "m.txt",
-            "# Value units: m\n# Width: 1 um\n" + "\n".join(["1 " * 20] * 20),
-            "height of 1 m",
-        ),
+        ("m.txt", HEAD + "\n".join(["1 " * 20] * 20), "height of 1 m"),
         ("m.txt", ROWS + "\n1 2 3", ":5: has 3 heights, the first row has 4"),
+        ("m.txt", HEAD + NOTHING, "400 of its"),
         (
             "m.txt",
-            "# Value units: m\n# Width: 1 um\n" + "\n".join(["nan " * 20] * 20),
-            "400 of its",
-        ),
-        (
-            "m.txt",
-            "# Value units: nm\n# Width: 1 um\n" + "\n".join(["1e-8 2e-8 " * 10] * 20),
+            HEAD.replace("units: m", "units: nm") + "\n".join(["1e-8 2e-8 " * 10] * 20),
             "all heights are within 1e-17 m; atoms are larger, the unit is wrong",
         ),
         ("m.ibw", b"", "cannot be read as an Igor file"),

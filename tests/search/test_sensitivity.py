@@ -14,14 +14,18 @@ from ..conftest import FILM as CERTAIN
 FILM = CERTAIN | {"tac_top": "0.8 ± 0.01", "tac_bottom": "0.9 ± 0.01"}
 
 
-@pytest.fixture(scope="module")
-def uncertain():
+def flyer_of(film):
     return lf.FlyerFile(
         flyer={"diameter": "2 cm"},
-        film=FILM,
+        film=film,
         environment={"atmosphere": "lu2023"},
         force={"model": "lu2023", "force_error": 0},
     )
+
+
+@pytest.fixture(scope="module")
+def uncertain():
+    return flyer_of(FILM)
 
 
 def test_indices_of_a_product_have_a_closed_form(uncertain):
@@ -110,13 +114,7 @@ def test_the_files_own_uncertainties_and_their_first_order_spread(uncertain):
 @pytest.mark.parametrize("correlation", [0.9, -0.5])
 def test_errors_that_are_correlated_count_as_one_input(correlation):
     """Small spreads: shares from slopes and the covariance, the spread as predict finds it."""
-    film = FILM | {"tac_correlation": correlation, "absorptance": "0.75 ± 0.01"}
-    flyer = lf.FlyerFile(
-        flyer={"diameter": "2 cm"},
-        film=film,
-        environment={"atmosphere": "lu2023"},
-        force={"model": "lu2023", "force_error": 0},
-    )
+    flyer = flyer_of(FILM | {"tac_correlation": correlation, "absorptance": "0.75 ± 0.01"})
     (found,) = lf.sensitivity(flyer, outputs="lift", at={"altitude": "72 km"})
     pair = ("film.tac_top", "film.tac_bottom")
     assert set(found.groups) == {("film.absorptance",), pair}
@@ -143,13 +141,7 @@ def test_worth_of_a_measured_difference(correlation, spread):
         "tac_top": f"0.8 ± {spread}", "tac_bottom": f"0.9 ± {spread}",
         "tac_correlation": correlation, "areal_density": "1.0 ± 0.05 g/m^2",
     }  # fmt: skip
-    flyer = lf.FlyerFile(
-        flyer={"diameter": "2 cm"},
-        film=film,
-        environment={"atmosphere": "lu2023"},
-        force={"model": "lu2023", "force_error": 0},
-    )
-    (found,) = lf.sensitivity(flyer, outputs="payload", at={"altitude": "72 km"})
+    (found,) = lf.sensitivity(flyer_of(film), outputs="payload", at={"altitude": "72 km"})
     (one,) = found.differences
     assert (one.top, one.bottom, one.accuracy) == ("film.tac_top", "film.tac_bottom", 0.01)
     variance = 2.0 * spread**2 * (1.0 - correlation)
@@ -176,9 +168,8 @@ def test_no_difference_where_one_face_is_known(uncertain):
     assert found.differences == ()
 
 
-def test_all_inputs_correlated_are_one_that_does_everything(uncertain):
-    film = uncertain.film.model_copy(update={"tac_correlation": lf.Measured(0.5)})
-    correlated = uncertain.model_copy(update={"film": film})
+def test_all_inputs_correlated_are_one_that_does_everything():
+    correlated = flyer_of(FILM | {"tac_correlation": 0.5})
     (found,) = lf.sensitivity(correlated, outputs="lift", at={"altitude": "72 km"}, points=2048)
     assert found.names == ("film.tac_top and film.tac_bottom",)
     np.testing.assert_allclose([*found.first, *found.total], 1.0, atol=0.02)
@@ -209,9 +200,8 @@ def test_intervals_are_as_wide_as_indices_of_other_seeds_scatter(uncertain):
         assert np.all((stated > 0.7 * scatter) & (stated < 1.6 * scatter))
 
 
-def test_samples_of_sweeps_and_optima_have_the_files_correlation(uncertain):
-    film = uncertain.film.model_copy(update={"tac_correlation": lf.Measured(-0.7)})
-    correlated = uncertain.model_copy(update={"film": film})
+def test_samples_of_sweeps_and_optima_have_the_files_correlation():
+    correlated = flyer_of(FILM | {"tac_correlation": -0.7})
     over = {"film.tac_top": "0.8 ± 0.01", "film.tac_bottom": "0.9 ± 0.02", "altitude": "70 km"}
     for method in ("sobol", "latin-hypercube", "random"):
         drawn = lf.sweep(correlated, over=over, outputs="own_mass", method=method, points=4096)

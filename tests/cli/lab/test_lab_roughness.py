@@ -47,33 +47,20 @@ def test_mask_rows_and_accuracy_are_options(examples, lab):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["missing.ibw"], "missing.ibw: cannot be read"),
-        (["map.txt"], 'map.txt: its heights have no unit; state it by --unit "nm"'),
-        (["map.txt", "--unit", "nm"], 'map.txt: has no width; state it by --size "10 um"'),
-        (["map.txt", "--unit", "nm", "--size", "10"], '--size: "10" has no unit; write "10 um"'),
-        (["map.txt", "--unit", "nm", "--size", "-1 um"], '--size: "-1 um" is not positive'),
-        (["map.txt", "--height-accuracy", "2 nm"], "--height-accuracy: "),
-        (
-            [
-                "map.txt",
-                "--unit",
-                "nm",
-                "--size",
-                "1 um",
-                "--flatten",
-                "rows",
-                "--flatten-order",
-                "2",
-            ],
-            "flatten_order = 2",
-        ),
-        (["map.txt", "--unit", "nm", "--size", "1 um", "--threshold", "0"], "threshold = 0"),
+        ("missing.ibw", "missing.ibw: cannot be read"),
+        ("map.txt", 'map.txt: its heights have no unit; state it by --unit "nm"'),
+        ("map.txt --unit nm", 'map.txt: has no width; state it by --size "10 um"'),
+        ("map.txt --unit nm --size 10", '--size: "10" has no unit; write "10 um"'),
+        ("map.txt --unit nm --size -1um", '--size: "-1um" is not positive'),
+        ("map.txt --height-accuracy 2nm", "--height-accuracy: "),
+        ("map.txt --unit nm --size 1um --flatten rows --flatten-order 2", "flatten_order = 2"),
+        ("map.txt --unit nm --size 1um --threshold 0", "threshold = 0"),
     ],
 )
 def test_bad_input(folder, lab_refuses, arguments, says):
     rows = "\n".join(" ".join(str((i * j) % 7) for i in range(20)) for j in range(20))
     (folder / "map.txt").write_text(rows, encoding="utf-8")
-    assert says in lab_refuses("roughness", *arguments, "--out", "o")
+    assert says in lab_refuses("roughness", *arguments.split(), "--out", "o")
     assert not (folder / "o").exists()
 
 

@@ -125,20 +125,6 @@ def test_rows_that_stop_before_the_pole_are_joined_across_it():
     np.testing.assert_allclose([east, north], np.multiply(240.0, tumbling(*places)), atol=0.02)
 
 
-def test_polar_rows_that_repeat_one_pair_of_numbers_are_joined_across():
-    """As ERA5 has them (nextsimhub/nextsimdg#368, slcs-jsc/mptrac#32): a wind across the pole."""
-    data = dataset(step=0.5, speed=4.0).isel(time=0, drop=True)
-    for row in (0, -1):
-        for name in ("u", "v"):
-            data[name].values[:, row] = data[name].values[:, row, :1]
-    grid = GriddedWind(data)
-    latitudes, longitudes = np.radians([90.0, 89.9, 89.75, 89.5, -90.0, -89.9]), np.full(6, 0.7)
-    east, north, _ = grid.velocity(50e3, Place(latitudes, longitudes, 0.0))
-    np.testing.assert_allclose(np.hypot(east, north), 20.0, rtol=1e-4)
-    expected = np.multiply(20.0, tumbling(latitudes, longitudes))
-    np.testing.assert_allclose([east, north], expected, atol=2e-3)
-
-
 def test_pressure_levels_are_found_by_the_atmosphere(wind):
     atmosphere = lf.environment.US1976()
     data = dataset()

@@ -290,19 +290,6 @@ def test_several_files_are_one(tmp_path, monkeypatch):
         GriddedWind.from_file(tmp_path / "week-*.nc")
 
 
-def test_altitude_of_a_geopotential():
-    """Beside the formulas of the World Geodetic System, integrated."""
-    for degrees in (0.0, 45.0, 80.0):
-        sine = np.sin(np.radians(degrees))
-        on_ground = 9.7803253359 * (1.0 + 1.931852652e-3 * sine**2)
-        on_ground /= np.sqrt(1.0 - 6.69437999e-3 * sine**2)
-        height, radius = np.linspace(0.0, 48e3, 4801), 6378137.0
-        linear = 1.0 + 1 / 298.257 + 0.00344978650684 - 2.0 / 298.257 * sine**2
-        gravity = on_ground * (1.0 - 2.0 * linear * height / radius + 3.0 * (height / radius) ** 2)
-        geopotential = np.trapezoid(gravity, height)
-        assert altitude_of(geopotential, np.radians(degrees)) == pytest.approx(48e3, abs=3.0)
-
-
 def write_grib(path, entries):
     """Write messages as a forecast has them: (time, short name, level [Pa], field) each."""
     eccodes = pytest.importorskip("eccodes")

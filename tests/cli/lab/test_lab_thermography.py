@@ -7,7 +7,6 @@ import pytest
 import xarray as xr
 
 from lightflyer.config.reader import read_flyer_file
-from lightflyer.lab.thermography.thermal_image import ThermalImage
 
 
 def test_table_to_record_and_flyer_file(examples, lab_prints, flyer_file):
@@ -79,30 +78,6 @@ def test_the_band_is_stated_assumed_or_none(folder, lab, lab_prints):
     out = lab_prints("thermography", *GIVEN, "--film-temperature", "30 ± 5 °C",
                      "--hotplate-emissivity", "0.97 ± 0.01")  # fmt: skip
     assert "film is taken" not in out
-
-
-def test_an_image_with_its_regions(folder, lab_prints, lab_refuses, monkeypatch):
-    """The reader of FLIR's files is replaced; its own test is beside it."""
-    image = np.full((90, 140), 295.15) + 0.05 * np.random.default_rng(1).normal(size=(90, 140))
-    image[10:40, 20:60] += 128.0
-    image[50:80, 20:60] += 22.8
-    image[50:80, 90:130] += np.linspace(98.0, 119.6, 40)
-    (folder / "a.jpg").write_bytes(b"")
-    shown = ThermalImage("a.jpg", image, 1.0, 295.15)
-    monkeypatch.setattr(
-        "lightflyer.lab.thermography.thermal_image.read_thermal_image", lambda _, **_options: shown
-    )
-    regions = "hotplate=12:38,22:58; lower=52:78,22:58; upper=52:78,92:128"
-    arguments = ["thermography", "a.jpg", "--ambient", "22 °C", "--band", "7.5-14 um"]
-    found = json.loads(lab_prints(*arguments, "--regions", regions, "--json"))
-    # those of the camera, and of the region that is not uniform
-    assert found["standard_uncertainties"]["hotplate_temperature"]["value"] == pytest.approx(
-        3.0 / np.sqrt(3.0), rel=0.01
-    )
-    assert found["standard_uncertainties"]["upper_temperature"]["value"] > 5.0
-    assert any(said.startswith("region upper is not uniform") for said in found["warnings"])
-    err = lab_refuses(*arguments, "--regions", regions.replace("upper", "uper"))
-    assert '--regions: "uper" is none of hotplate, lower, upper, ambient' in err
 
 
 def test_scalars(lab_prints):
@@ -207,5 +182,7 @@ def test_a_matrix_with_regions_is_an_image(folder, lab, lab_prints, lab_refuses,
     options = [part for name, value in named for part in (f"--{name}", value)]
     same = json.loads(lab("thermography", *options, *arguments[-3:], "--accuracy", "0.5 K")[1])
     assert found["emissivity"]["value"] == pytest.approx(same["emissivity"]["value"], abs=1e-6)
+    err = lab_refuses(*arguments[:3], regions.replace("upper", "uper"))
+    assert '--regions: "uper" is none of hotplate, lower, upper, ambient' in err
     err = lab_refuses("thermography", "m.csv", "--image-unit", "K", "--ambient", "22 °C")
     assert "--image-unit needs --regions" in err

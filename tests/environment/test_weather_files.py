@@ -191,10 +191,10 @@ def by_temperature(data):
 def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layout):
     """Over both poles and the date line, place after place and all at once."""
     path = tmp_path / "weather.nc"
-    layout(canonical()).to_netcdf(path, engine="h5netcdf")
+    layout(canonical().isel(pressure=slice(3, None))).to_netcdf(path, engine="h5netcdf")
     whole = GriddedWind.from_file(path)
     monkeypatch.setattr(store, "KEPT", 3000)
-    wind = GriddedWind.from_file(path)
+    wind, fresh = (GriddedWind.from_file(path) for _ in range(2))
     assert wind.store is not None
     assert wind.describe() == whole.describe()
     assert wind.reach.ends == whole.reach.ends
@@ -203,11 +203,9 @@ def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layo
     longitude = np.array([0.1, 3.1, 3.2, -3.1, 6.27, 0.01, -1.0, 4.0, 5.0, 12.0])
     place = Place(latitude, longitude, BEGIN + 64800.0 * generator.uniform(0.0, 1.0, 10))
     altitude = generator.uniform(low, 42e3, 10)
-    for order in (range(3, 10), range(9, -1, -1)):
-        fresh = GriddedWind.from_file(path)
-        for row in order:
-            where = altitude[row], Place(*(part[row] for part in place))
-            np.testing.assert_allclose(fresh.velocity(*where), whole.velocity(*where), atol=1e-12)
+    for row in (4, 5, 9, 0):
+        where = altitude[row], Place(*(part[row] for part in place))
+        np.testing.assert_allclose(fresh.velocity(*where), whole.velocity(*where), atol=1e-12)
     found = wind.velocity(altitude, place)
     np.testing.assert_allclose(found, whole.velocity(altitude, place), atol=1e-12)
     with pytest.raises(lf.ParameterError, match="not under JAX"):
@@ -270,7 +268,7 @@ def test_polar_rows_of_a_large_file_that_are_no_wind_at_some_times(tmp_path, mon
 
 @pytest.mark.slow
 def test_several_files_are_one(tmp_path, monkeypatch):
-    data = canonical()
+    data = coarse(4)
     for number in range(4):
         path = tmp_path / f"day-{number}.nc"
         data.isel(time=[number]).to_netcdf(path, engine="h5netcdf")

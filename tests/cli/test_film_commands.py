@@ -139,20 +139,6 @@ def test_materials_are_searched(prints, refuses):
     assert "the search is empty" in refuses("materials", "--search", " ")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ('"Ge"', '"Gee"', 'material "Gee" is unknown; did you mean Ge'),
-        ('"20 nm"', '"20 ± 25 nm"', "± is one standard deviation and must be below"),
-        ('thickness = "20 nm"', 'thicknes = "20 nm"', 'did you mean "thickness"?'),
-        ("layers", "layer", "needs a section [film] with layers"),
-        ("[film]\n", '[film]\nspectrum = "none.csv"\n', "cannot be read"),
-    ],
-)
-def test_bad_films_get_one_clear_line(refuses, film_file, old, new, message):
-    assert message in refuses("film", film_file(old, new))
-
-
 def test_a_material_without_a_density_needs_it_to_fly(refuses, film_file):
     errors = refuses("predict", film_file('"mylar"', '"SWCNT"', FLYER))
     assert "needs areal_density, or the layer of SWCNT its density" in errors

@@ -121,17 +121,6 @@ def test_a_slab_without_absorption_passes_what_airy_says():
     assert heat_shares(slab, 300.0).transmittance.value > 0.9  # far thinner than the wavelength
 
 
-def test_transmittance_is_differentiable_in_thickness():
-    def passed(d):
-        film = Film((Layer(flat(3.0, 0.4), d), Layer(flat(1.6, 0.02), 1e-6)))
-        return light_shares(film).transmittance.value
-
-    with lf.float64():
-        slope = float(jax.grad(passed)(3e-8))
-    assert slope == pytest.approx((passed(3.01e-8) - passed(2.99e-8)) / 2e-10, rel=1e-5)
-    assert slope < 0.0
-
-
 def test_a_film_of_layers_passes_the_beam_diffuse_light_and_heat(computed):
     found = computed.properties
     top, below = light_shares(computed.film), light_shares(computed.film, diffuse=True)

@@ -124,9 +124,9 @@ def answer(read, path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ["film.csv", "blocks.csv", "page.yml", "points.xlsx"])
 def test_any_damage(tmp_path, damaged, name):
-    """Bytes lost, changed and doubled, cells and units replaced, marks swapped."""
+    """Of files that the study of damaged files has not: bytes lost, changed and doubled."""
     read, content = CASES[name]
     content = content if isinstance(content, bytes) else content.encode()
     path = tmp_path / name

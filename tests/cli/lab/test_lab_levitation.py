@@ -68,26 +68,6 @@ def test_bad_input(folder, lab_refuses, text, arguments, says):
     assert not (folder / "o").exists()
 
 
-@pytest.mark.slow
-def test_kilowatts_taken_for_watts_reach_no_flyer_file(examples, lab_prints, lab_refuses):
-    folder = examples("levitation")
-    path = folder / "flyer.toml"
-    template = resources.files("lightflyer") / "data" / "flyer-chamber.toml"
-    path.write_text(template.read_text(encoding="utf-8"), encoding="utf-8")
-    text = (folder / "levitation.csv").read_text(encoding="utf-8")
-    assert "kW/m^2" in text
-    (folder / "watts.csv").write_text(text.replace("kW/m^2", "W/m^2"), encoding="utf-8")
-    before = path.read_bytes()
-    given = ["levitation", "watts.csv", "--flyer", path, "--calibrate", "--draws", "100"]
-    err = lab_refuses(*given, "--update", path)
-    assert "is unlikely" in err
-    assert "--insist" in err
-    assert path.read_bytes() == before
-    out = lab_prints(*given, "--update", path, "--insist")
-    assert "W/m^2 is unlikely, 20 to 200000 is usual" in out
-    assert path.read_bytes() != before
-
-
 def test_steps_in_the_record(folder, lab_prints):
     rows = [f"{2 + i},{200 * (6 + (i - 4) ** 2)}" for i in range(10)]
     text = "\n".join(["pressure [Pa],irradiance [W/m^2]", *rows]) + "\n"

@@ -80,13 +80,6 @@ def test_the_band_is_stated_assumed_or_none(folder, lab, lab_prints):
     assert "film is taken" not in out
 
 
-def test_scalars(lab_prints):
-    out = lab_prints("thermography", *GIVEN, "--accuracy", "0.5 °C", "--json", "--band", "total")
-    found = json.loads(out)["emissivity"]
-    assert found["value"] == pytest.approx(0.0952, abs=1e-3)
-    assert found["interval_95"][1] - found["value"] == pytest.approx(0.0178, rel=0.1)
-
-
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [

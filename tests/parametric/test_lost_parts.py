@@ -74,6 +74,9 @@ LOSSES = {
         "flyer.diameter"),
     "hidden files not copied": (lambda d, _: shutil.rmtree(d / ".lightflyer"), ".lightflyer"),
     "the study missing": (lambda d, _: (d / STUDY).unlink(), STUDY),
+    "the study torn": (lambda d, _: (d / STUDY).write_text("{"), STUDY),
+    "the study empty": (lambda d, _: (d / STUDY).write_text("{}"), STUDY),
+    "the study a list": (lambda d, _: (d / STUDY).write_text("[]"), STUDY),
     "a bit of the study flipped": (lambda d, _: flip(d / STUDY, 0.1), STUDY),
     "a coordinate missing": (lambda d, _: shutil.rmtree(d / "flyer.diameter/c"), "flyer.diameter"),
     "a coordinate of another sweep": (
@@ -150,8 +153,10 @@ def test_a_lost_part_is_a_line_for_all_who_read_and_mended(sweeps, design, tmp_p
         whole = lf.parametric.open_sweep(sweeps / "one").load()
         xr.testing.assert_identical(lf.parametric.open_sweep(folder).load(), whole)
     else:
+        before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
         with pytest.raises(lf.OutputError):
             sweep_into(study, folder, chunk=100, evaluator=outputs)
+        assert before == {path: path.read_bytes() for path in before}
 
 
 def test_a_bit_that_flips_once_a_sweep_is_open_is_found_too(sweeps, tmp_path):

@@ -158,25 +158,6 @@ def test_a_store_whose_making_was_cut_off_is_made_again(study, tmp_path, monkeyp
     assert not (tmp_path / "other.zarr").exists()
 
 
-def test_a_stores_own_records_are_never_taken_for_granted(study, tmp_path):
-    folder = tmp_path / "results.zarr"
-    sweep_into(study, folder, chunk=100, evaluator=StandIn())
-    (folder / ".lightflyer" / "journal").unlink()
-    assert sweep_into(study, folder, evaluator=StandIn()).computed == 1000
-    before, records = contents(folder), folder / ".lightflyer" / "study.json"
-    damages = [lambda path, text=text: path.write_text(text) for text in ("{", "{}", "[]")]
-    for damage in (*damages, Path.unlink):
-        whole = records.read_bytes()
-        damage(records)
-        with pytest.raises(lf.OutputError, match=r"study.json is damaged or missing"):
-            sweep_into(study, folder, evaluator=StandIn())
-        records.write_bytes(whole)
-    assert contents(folder) == before
-    (folder / "zarr.json").write_text("{")
-    with pytest.raises(lf.ConfigurationError, match="cannot be read as a Zarr group"):
-        lf.parametric.open_sweep(folder)
-
-
 def flip_a_bit(path):
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 1

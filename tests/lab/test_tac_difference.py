@@ -23,7 +23,7 @@ USUAL = TacAccuracy()
 @pytest.fixture(autouse=True)
 def one_law(monkeypatch):
     """Coefficients by other laws are not asked for, and take longest."""
-    monkeypatch.setattr(preparation, "_coefficient", lambda problem: None)
+    monkeypatch.setattr(preparation, "HEAT_LAWS", {})
 
 
 def run_of(face, rng, noise=0.005, off=(0.0,) * 6, count=40):
@@ -123,7 +123,7 @@ def test_shape_of_the_law_is_shared(rng, monkeypatch):
     assert found.difference.uncertainty < 0.8 * apart.difference.uncertainty
     monkeypatch.undo()
     # where the law's error changes with the coefficient, nothing of it is shared
-    monkeypatch.setattr(preparation, "_coefficient", lambda problem: None)
+    monkeypatch.setattr(preparation, "HEAT_LAWS", {})
     low = run_of((0.4, 1.22, 4.09), rng, noise=0.001), runs[1]
     ours = fit_tac_difference(*low, accuracy=USUAL).difference.uncertainty
     monkeypatch.setattr(intervals, "LAW_OWN", 1.0)

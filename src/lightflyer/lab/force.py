@@ -1,6 +1,5 @@
 """A heated vane: the force that the kinetic equation predicts, and measured forces beside it."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -334,51 +333,39 @@ def compare_forces(
         here = table.numbers["pressure"]
         pressures = float(here.min()) / BEYOND, float(here.max()) * BEYOND
     grid = np.geomspace(*pressures, 200)
-    predicted = np.zeros(0) if table is None else vane.force(table.numbers["pressure"])
-    return VaneForces(
-        vane=vane, pressure=grid, force=vane.force(grid),
-        band=central_interval(vane.forces(grid), axis=0), points=table, predicted=predicted,
-        ratio=None if table is None else _ratio(vane, table, pressure_accuracy, force_accuracy),
-        warnings=tuple(_warnings(vane, grid, table, predicted)),
-    )  # fmt: skip
-
-
-def _ratio(vane: Vane, points: Table, gauge: float, balance: float) -> Estimate:
-    """Mean of measured over predicted force, with all that points, instruments and vane allow."""
-    at, measured = points.numbers["pressure"], points.numbers["force"]
-    predicted = vane.force(at)
-    slope = np.log(vane.force(at * (1.0 + _STEP)) / predicted) / np.log1p(_STEP)
-    up, right = (
-        points.numbers.get(f"{name}_uncertainty", np.zeros(at.size)) / points.numbers[name]
-        for name in ("force", "pressure")
-    )
-    spread = np.hypot(up, slope * right)
-    weight = 1.0 / spread**2 if np.all(spread > 0.0) else np.ones(at.size)
-    weight /= weight.sum()
-    logs = np.log(measured / predicted)
-    mean, kept = weight @ logs, weight @ weight
-    scatter = weight @ (logs - mean) ** 2 * kept / (1.0 - kept) if at.size > 1 else 0.0
-    noise = np.random.default_rng(_SEED + 1).standard_normal((3, SAMPLES))
-    draws = mean - np.log(vane.forces(at) / predicted) @ weight
-    draws += np.sqrt(max(scatter, weight**2 @ spread**2)) * noise[0]
-    draws += balance * noise[1] - (weight @ slope) * gauge * noise[2]
-    return Estimate.of_draws(float(np.exp(mean)), np.exp(draws))
-
-
-def _warnings(
-    vane: Vane, grid: np.ndarray, points: Table | None, predicted: np.ndarray
-) -> Iterator[str]:
-    yield from vane.warnings(grid)
-    if points is None:
-        return
-    if "force_uncertainty" not in points.numbers:
-        yield "no ± of the forces is stated: their scatter stands for it"
-    apart = float(np.median(points.numbers["force"] / predicted))
-    if not 1.0 / _APART < apart < _APART:
-        yield (
-            f"the forces are {apart:.2g} times those predicted: check their unit, that of the "
-            "pressures, and the vane"
+    predicted, ratio, said = np.zeros(0), None, [*vane.warnings(grid)]
+    if table is not None:
+        at, measured = table.numbers["pressure"], table.numbers["force"]
+        predicted = vane.force(at)
+        slope = np.log(vane.force(at * (1.0 + _STEP)) / predicted) / np.log1p(_STEP)
+        up, right = (
+            table.numbers.get(f"{name}_uncertainty", np.zeros(at.size)) / table.numbers[name]
+            for name in ("force", "pressure")
         )
+        spread = np.hypot(up, slope * right)
+        weight = 1.0 / spread**2 if np.all(spread > 0.0) else np.ones(at.size)
+        weight /= weight.sum()
+        logs = np.log(measured / predicted)
+        mean, kept = weight @ logs, weight @ weight
+        scatter = weight @ (logs - mean) ** 2 * kept / (1.0 - kept) if at.size > 1 else 0.0
+        # with all that points, instruments and vane allow
+        noise = np.random.default_rng(_SEED + 1).standard_normal((3, SAMPLES))
+        draws = mean - np.log(vane.forces(at) / predicted) @ weight
+        draws += np.sqrt(max(scatter, weight**2 @ spread**2)) * noise[0]
+        draws += force_accuracy * noise[1] - (weight @ slope) * pressure_accuracy * noise[2]
+        ratio = Estimate.of_draws(float(np.exp(mean)), np.exp(draws))
+        if "force_uncertainty" not in table.numbers:
+            said.append("no ± of the forces is stated: their scatter stands for it")
+        apart = float(np.median(measured / predicted))
+        if not 1.0 / _APART < apart < _APART:
+            said.append(
+                f"the forces are {apart:.2g} times those predicted: check their unit, that of the "
+                "pressures, and the vane"
+            )
+    return VaneForces(
+        vane, grid, vane.force(grid), central_interval(vane.forces(grid), axis=0), table,
+        predicted, ratio, tuple(said),
+    )  # fmt: skip
 
 
 def plot_forces(found: VaneForces, ax: "Axes") -> None:

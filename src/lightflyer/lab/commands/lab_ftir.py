@@ -1,6 +1,5 @@
 """Emissivity, or its upper bound, from infrared spectra."""
 
-from collections.abc import Iterator
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
 
     from lightflyer.film.optics.stack import Film
     from lightflyer.lab.ftir.reduction import Ftir
-    from lightflyer.lab.readers.interpretation import MeasuredSpectrum
     from lightflyer.lab.result import Outcome
 
 _WAVENUMBERS = 1000  # of a computed spectrum
@@ -103,8 +101,8 @@ def ftir(
     from lightflyer.config.update import emittance_keys
     from lightflyer.lab.ftir.means import parse_ranges, with_straight_lines, without_air
     from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
-    from lightflyer.lab.readers.spectrum_data import read_spectrum
-    from lightflyer.lab.result import Outcome, figures_by, rejected_json
+    from lightflyer.lab.readers.spectrum_data import PER_CENTIMETRE, read_spectrum
+    from lightflyer.lab.result import Outcome, figures_by, rejected_json, rejected_lines
 
     if update is not None and reflectance is None:
         raise ConfigurationError(
@@ -143,11 +141,30 @@ def ftir(
         except ParameterError as error:
             raise ConfigurationError(f"{film}: {error}") from None
         warnings += [f"{film}: the computed spectrum extrapolates {text}" for text in extrapolated]
+    parts = [*result.finding()]
+    for one in (*spectra, *mirrors):
+        first, last = one.wavenumber[[0, -1]] / PER_CENTIMETRE
+        said = one.metadata
+        words = [  # as the file has them
+            f'{said.format} with "{said.ordinate}"',
+            said.instrument,
+            f"resolution {said.resolution}" if said.resolution else "resolution not stated",
+            said.accessory,
+            f"{one.collection} light" if one.collection else "",
+            f'sample "{said.sample}"' if said.sample else "",
+            f"of {said.measured}" if said.measured else "",
+        ]
+        parts += [
+            f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
+            f"{first:.5g} to {last:.5g} cm⁻¹",
+            f"  {', '.join(filter(None, words))}",
+            *rejected_lines(one.rejected),
+        ]
 
     return Outcome(
         result.summary(),
         to_dataset(result),
-        [*result.finding(), *_read_parts([*spectra, *mirrors]), *result.parts()],
+        [*parts, *result.parts()],
         read=[
             {
                 "file": one.source, "quantity": one.quantity, **asdict(one.metadata),
@@ -162,30 +179,6 @@ def ftir(
         sources=[*files, *([reflectance] if reflectance else [])],
         values={} if emissivity is None else dict.fromkeys(emittance_keys(face), emissivity),
     )  # fmt: skip
-
-
-def _read_parts(spectra: "list[MeasuredSpectrum]") -> Iterator[str]:
-    from lightflyer.lab.readers.interpretation import PER_CENTIMETRE
-    from lightflyer.lab.result import rejected_lines
-
-    for one in spectra:
-        first, last = one.wavenumber[[0, -1]] / PER_CENTIMETRE
-        yield (
-            f"read {len(one.wavenumber)} points of {one.quantity} from {one.source}, "
-            f"{first:.5g} to {last:.5g} cm⁻¹"
-        )
-        file = one.metadata
-        words = [  # as the file has them
-            f'{file.format} with "{file.ordinate}"',
-            file.instrument,
-            f"resolution {file.resolution}" if file.resolution else "resolution not stated",
-            file.accessory,
-            f"{one.collection} light" if one.collection else "",
-            f'sample "{file.sample}"' if file.sample else "",
-            f"of {file.measured}" if file.measured else "",
-        ]
-        yield f"  {', '.join(filter(None, words))}"
-        yield from rejected_lines(one.rejected)
 
 
 def _computed(

@@ -1,11 +1,9 @@
 """Thickness, porosity and optical constants of a film from its spectra."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lightflyer.lab.optics.fit import OpticsFit
     from lightflyer.lab.result import Outcome
 
 
@@ -33,17 +31,25 @@ def optics(
     from lightflyer.lab.optics.data import read_sample
     from lightflyer.lab.optics.fit import fit_optics, to_dataset
     from lightflyer.lab.optics.record import require_same_layers, tables, update_layers
-    from lightflyer.lab.result import Outcome, figures_by, rejected_json
+    from lightflyer.lab.result import Outcome, figures_by, rejected_json, rejected_lines
 
     sample = read_sample(sample_file)
     if update is not None:
         require_same_layers(update, sample)
     result = fit_optics(sample, starts=starts, seed=seed)
+    parts = [*result.finding()]
+    for spectrum in (one.measured.spectrum for one in result.spectra):
+        ends = spectrum.wavelength[[-1, 0]] * 1e6
+        parts += [
+            f"read {len(spectrum.value)} points of {spectrum.quantity} from {spectrum.source}, "
+            f"{ends[0]:.4g} to {ends[1]:.4g} µm",
+            *rejected_lines(spectrum.rejected),
+        ]
 
     return Outcome(
         result.summary(),
         to_dataset(result),
-        [*result.finding(), *_read_parts(result), *result.parts()],
+        [*parts, *result.parts()],
         read=[
             {
                 "file": one.spectrum.source,
@@ -57,16 +63,3 @@ def optics(
         tables=tables(result),
         write=lambda flyer, insist: update_layers(flyer, result, sample_file.name, insist=insist),
     )
-
-
-def _read_parts(result: "OpticsFit") -> Iterator[str]:
-    from lightflyer.lab.result import rejected_lines
-
-    for one in result.spectra:
-        spectrum = one.measured.spectrum
-        ends = spectrum.wavelength[[-1, 0]] * 1e6
-        yield (
-            f"read {len(spectrum.value)} points of {spectrum.quantity} from {spectrum.source}, "
-            f"{ends[0]:.4g} to {ends[1]:.4g} µm"
-        )
-        yield from rejected_lines(spectrum.rejected)

@@ -68,7 +68,22 @@ def roughness(
     from lightflyer.lab.surface.reduction import roughness as roughness_of
 
     if list_channels:
-        return _channels({str(file): channels_of(file) for file in files})
+        found = {str(file): channels_of(file) for file in files}
+        from lightflyer.lab.result import Listing
+
+        lines = []
+        for name, channels in found.items():
+            lines.append(f"{name}:")
+            for one in channels:
+                rows, columns = one.shape
+                about = f"{columns} x {rows} pixels{'' if one.is_height else ', not a height'}"
+                lines.append(f"  {one.description}: {about}")
+        fields = ("name", "unit", "is_height")
+        listing = {
+            name: [{field: getattr(one, field) for field in fields} for one in channels]
+            for name, channels in found.items()
+        }
+        return Listing(listing, lines)
     where: Any = mask if mask in ("auto", "none") else read_mask(Path(mask))
     if mask != "auto" and threshold != THRESHOLD:
         raise ParameterError(f"--threshold is for --mask auto; with {mask} it does nothing")
@@ -97,21 +112,3 @@ def roughness(
         figures=figures_by("surface.figures:surface_figures", results),
         tables={f"mask-{number}.png": mask_as_png(one.mask) for number, one in enumerate(results)},
     )
-
-
-def _channels(found: dict[str, list[Any]]) -> "Listing":
-    from lightflyer.lab.result import Listing
-
-    lines = []
-    for name, channels in found.items():
-        lines.append(f"{name}:")
-        for one in channels:
-            rows, columns = one.shape
-            about = f"{columns} x {rows} pixels{'' if one.is_height else ', not a height'}"
-            lines.append(f"  {one.description}: {about}")
-    fields = ("name", "unit", "is_height")
-    document = {
-        name: [{field: getattr(one, field) for field in fields} for one in channels]
-        for name, channels in found.items()
-    }
-    return Listing(document, lines)

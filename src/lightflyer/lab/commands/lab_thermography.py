@@ -138,8 +138,6 @@ def thermography(
                 emissivity=image_emissivity,
                 reflected_temperature=image_reflected,
             )
-            from lightflyer.lab.thermography import data, thermal_image
-
             kelvin = image.temperature
             found = (
                 data.with_accuracy(

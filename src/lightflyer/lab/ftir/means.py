@@ -257,7 +257,25 @@ def spectrum_warnings(
                 f"highest {one.value.max():.3g}); {_ADVICE[one.quantity]}"
             )
         yield from (f"{one.source}: {note.removeprefix(f'{one.source}: ')}" for note in one.notes)
-        yield from _gaps(one, band)
+        at = one.wavenumber
+        steps = np.diff(at)
+        least = _WORTH_SAYING * min(band[1] - band[0], np.ptp(at))
+        places = np.flatnonzero((steps > _WIDE_STEP * np.median(steps)) & (steps > least))
+        linear = f"{one.quantity} is taken as linear there"
+        if len(places) > _MOST_GAPS:
+            ends = at[[places[0], places[-1] + 1]] / PER_CENTIMETRE
+            yield (
+                f"{one.source}: has {len(places)} gaps between {ends[0]:.5g} and {ends[1]:.5g} "
+                f"cm^-1, up to {steps[places].max() / PER_CENTIMETRE:.3g} cm^-1 wide; {linear}"
+            )
+            places = places[:0]
+        for pair in (at[place : place + 2] for place in places):
+            inside = np.diff(np.clip(pair, *band))[0]
+            kind = Doubt if inside > _MOST_UNCOVERED * (band[1] - band[0]) else str
+            yield kind(
+                f"{one.source}: has no points between {pair[0] / PER_CENTIMETRE:.5g} and "
+                f"{pair[1] / PER_CENTIMETRE:.5g} cm^-1; {linear}"
+            )
         if len(one.wavenumber) < LEAST_POINTS:
             yield (
                 f"{one.source}: has {len(one.wavenumber)} points, too few to tell how the noise of "
@@ -287,28 +305,6 @@ def spectrum_warnings(
         yield (
             f"transmittance and reflectance add up to more than 1 at {_PERCENT * share:.1f} % of "
             f"the wavenumbers (to {sums[inside].max():.3g}); {_ADVICE['emissivity']}"
-        )
-
-
-def _gaps(spectrum: MeasuredSpectrum, band: tuple[float, float]) -> Iterator[str]:
-    at = spectrum.wavenumber
-    steps = np.diff(at)
-    least = _WORTH_SAYING * min(band[1] - band[0], np.ptp(at))
-    places = np.flatnonzero((steps > _WIDE_STEP * np.median(steps)) & (steps > least))
-    linear = f"{spectrum.quantity} is taken as linear there"
-    if len(places) > _MOST_GAPS:
-        ends = at[[places[0], places[-1] + 1]] / PER_CENTIMETRE
-        yield (
-            f"{spectrum.source}: has {len(places)} gaps between {ends[0]:.5g} and {ends[1]:.5g} "
-            f"cm^-1, up to {steps[places].max() / PER_CENTIMETRE:.3g} cm^-1 wide; {linear}"
-        )
-        return
-    for pair in (at[place : place + 2] for place in places):
-        inside = np.diff(np.clip(pair, *band))[0]
-        kind = Doubt if inside > _MOST_UNCOVERED * (band[1] - band[0]) else str
-        yield kind(
-            f"{spectrum.source}: has no points between {pair[0] / PER_CENTIMETRE:.5g} and "
-            f"{pair[1] / PER_CENTIMETRE:.5g} cm^-1; {linear}"
         )
 
 

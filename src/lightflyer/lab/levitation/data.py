@@ -211,14 +211,6 @@ def _bends(s: np.ndarray, t: np.ndarray) -> np.ndarray:
     return np.asarray(first**3 * (first**2 / 20.0 + first * apart / 8.0 + apart**2 / 12.0))
 
 
-def widest_gap(x: np.ndarray) -> tuple[float, float] | None:
-    """Ends of the widest step between log-pressures, where it is a gap."""
-    places = np.unique(x)
-    step = int(np.argmax(np.diff(places)))
-    low, high = float(places[step]), float(places[step + 1])
-    return (low, high) if high - low > _GAP * np.ptp(places) else None
-
-
 def minimum(
     x: np.ndarray,
     light: np.ndarray,
@@ -252,9 +244,11 @@ def minimum(
     (place,), (value,), (edge,) = _least(grid, (twice @ y)[None])
     (start,), (bottom,), _ = _least(grid, (twice @ fitted)[None])
     other = _least(grid, (once @ y)[None])[0]
-    gap = widest_gap(x)
-    if gap is not None and not gap[0] < place < gap[1]:
-        gap = None
+    distinct = np.unique(x)
+    step_at = int(np.argmax(np.diff(distinct)))
+    low, high = float(distinct[step_at]), float(distinct[step_at + 1])
+    wide = high - low > _GAP * np.ptp(distinct) and low < place < high
+    gap = (low, high) if wide else None  # without points, around the minimum
     residual = (np.eye(x.size) - at_points @ again) * error / error[:, None]
     square = residual.T @ residual
     first = np.trace(square)

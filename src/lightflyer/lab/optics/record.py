@@ -1,7 +1,7 @@
 """What is said, printed and written of a film's fitted numbers, flyer files included."""
 
 import datetime
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -87,7 +87,12 @@ def update_layers(
             part[key] = text
             lines.append(f'film.{alias} = "{text}"')
             written += [] if insist else [f"film.{alias}"]
-    entries = _correlations(fit, names)
+    full = [(alias, row) for row, name in enumerate(names) for alias in _aliases(fit.sample, name)]
+    entries: list[Mapping[str, Any]] = []
+    for (first, row), (other, column) in combinations(full, 2):
+        value = float(np.clip(fit.correlation[row, column], -1.0, 1.0))
+        if abs(value) >= _LEAST:
+            entries.append({"of": [first, other], "value": round(value, _KEPT)})
     ours = {alias for name in names for alias in _aliases(fit.sample, name)}
     kept = [one for one in table.get("correlated", []) if ours.isdisjoint(map(str, one["of"]))]
     if kept or entries:
@@ -127,16 +132,6 @@ def _aliases(sample: OpticsSample, name: str) -> tuple[str, ...]:
     return sample.same.get(name, (name,))
 
 
-def _correlations(fit: "OpticsFit", names: Sequence[str]) -> list[Mapping[str, Any]]:
-    full = [(alias, row) for row, name in enumerate(names) for alias in _aliases(fit.sample, name)]
-    found: list[Mapping[str, Any]] = []
-    for (one, row), (other, column) in combinations(full, 2):
-        value = float(np.clip(fit.correlation[row, column], -1.0, 1.0))
-        if abs(value) >= _LEAST:
-            found.append({"of": [one, other], "value": round(value, _KEPT)})
-    return found
-
-
 TIED = 0.95  # Correlation above which two numbers are said not to be told apart
 
 _FLAT = 0.8  # of the way between the bounds that an interval covers
@@ -158,53 +153,49 @@ def diagnose(
     correlation: np.ndarray,
     fit: FilmFit,
     film: Film,
-) -> tuple[str, ...]:
+) -> Iterator[str]:
     """Warnings of a fit, one line each; ``correlation`` (free, free)."""
-
-    def generate() -> Iterator[str]:
-        names = list(numbers)
-        yield from _about_bounds(sample, numbers, open_ends)
-        for i in range(len(names)):
-            for j in range(i):
-                if abs(correlation[i, j]) > TIED:
-                    yield (
-                        f"{names[i]} and {names[j]} are hardly told apart: their errors have a "
-                        f"correlation of {correlation[i, j]:+.3f}"
-                    )
-        for solution, excess in fit.rivals[:_SHOWN]:
-            if excess <= fit.factor**2:
-                values = zip(sample.free, fit.problem.model.values(solution.position), strict=True)
-                words = (f"{one.name} = {amount_text(value, one.unit)}" for one, value in values)
+    names = list(numbers)
+    yield from _about_bounds(sample, numbers, open_ends)
+    for i in range(len(names)):
+        for j in range(i):
+            if abs(correlation[i, j]) > TIED:
                 yield (
-                    f"another minimum fits as well (cost +{excess:.2g}, excluded from "
-                    f"{fit.factor**2:.2g}) and is not in the intervals: {', '.join(words)}"
+                    f"{names[i]} and {names[j]} are hardly told apart: their errors have a "
+                    f"correlation of {correlation[i, j]:+.3f}"
                 )
-        for free in sample.free:
-            if free.prior is None:
-                continue
-            value = numbers[free.name]
-            known = f"{amount_text(free.start, free.unit)} ± {amount_text(free.prior, free.unit)}"
-            if abs(value.value - free.start) > _FAR * free.prior:
-                found = amount_text(value.value, free.unit)
-                yield f"{free.name} = {found} contradicts what was stated, {known}"
-            elif (value.uncertainty or 0.0) > TIED * free.prior:
-                yield f"{free.name} is as stated, {known}: the spectra tell nothing of it"
-            else:
-                yield f"{free.name} was stated as {known}, which the fit takes into account"
-        yield from _about_residuals(sample, fit)
-        yield from _about_instruments(sample, fit)
-        total = [one for one in sample.spectra if one.spectrum.collection == "total"]
-        if film.is_rough and total:
-            files = ", ".join(one.spectrum.source for one in total)
+    for solution, excess in fit.rivals[:_SHOWN]:
+        if excess <= fit.factor**2:
+            values = zip(sample.free, fit.problem.model.values(solution.position), strict=True)
+            words = (f"{one.name} = {amount_text(value, one.unit)}" for one, value in values)
             yield (
-                "the film is rough, and the model has its specular beams only; total light was "
-                f"collected in {files}"
+                f"another minimum fits as well (cost +{excess:.2g}, excluded from "
+                f"{fit.factor**2:.2g}) and is not in the intervals: {', '.join(words)}"
             )
-        yield from dict.fromkeys(text for medium in film.media for text in medium.diagnostics)
-        for one in sample.spectra:
-            yield from (f"{one.spectrum.source}: {note}" for note in one.spectrum.notes)
-
-    return tuple(generate())
+    for free in sample.free:
+        if free.prior is None:
+            continue
+        value = numbers[free.name]
+        known = f"{amount_text(free.start, free.unit)} ± {amount_text(free.prior, free.unit)}"
+        if abs(value.value - free.start) > _FAR * free.prior:
+            found = amount_text(value.value, free.unit)
+            yield f"{free.name} = {found} contradicts what was stated, {known}"
+        elif (value.uncertainty or 0.0) > TIED * free.prior:
+            yield f"{free.name} is as stated, {known}: the spectra tell nothing of it"
+        else:
+            yield f"{free.name} was stated as {known}, which the fit takes into account"
+    yield from _about_residuals(sample, fit)
+    yield from _about_instruments(sample, fit)
+    total = [one for one in sample.spectra if one.spectrum.collection == "total"]
+    if film.is_rough and total:
+        files = ", ".join(one.spectrum.source for one in total)
+        yield (
+            "the film is rough, and the model has its specular beams only; total light was "
+            f"collected in {files}"
+        )
+    yield from dict.fromkeys(text for medium in film.media for text in medium.diagnostics)
+    for one in sample.spectra:
+        yield from (f"{one.spectrum.source}: {note}" for note in one.spectrum.notes)
 
 
 def _about_bounds(

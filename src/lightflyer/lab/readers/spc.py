@@ -5,7 +5,6 @@ Industries 1986-1997).
 """
 
 import struct
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -62,16 +61,48 @@ def read_spc(source: Source) -> list[RawSpectrum]:
     header = _old(source) if source.content[1] == _OLD else _new(source)
     if not 1 <= header.spectra <= len(source.content) // _SUB_SIZE:
         source.refuse(f"is damaged: it names {header.spectra} spectra")
-    curves = list(_curves(source, header))
-    end = header.log or len(source.content)
+    curves: list[tuple[np.ndarray, np.ndarray]] = []
+    data, at = source.content, header.size
+    order = "<" if header.order == "old" else header.order
+    own_x = header.flags & _X and header.flags & _OWN_X
+    if not own_x:
+        _require_count(source, header.points)
+        x = np.linspace(header.first, header.last, header.points)
+    if header.flags & _X and not own_x:
+        x, at = _take(source, at, order + "f4", header.points)
+    for _ in range(header.spectra):
+        exponent, points = header.exponent, header.points
+        if at + _SUB_SIZE > len(data):
+            source.refuse("is damaged: it ends before its last spectrum")
+        if header.flags & _SEVERAL and exponent != _FLOATS:
+            (exponent,) = struct.unpack_from("b", data, at + 1)
+        if own_x:
+            (points,) = struct.unpack_from(order + "I", data, at + _SUB_COUNT)
+            _require_count(source, points)
+        at += _SUB_SIZE
+        if own_x:
+            x, at = _take(source, at, order + "f4", points)
+        bits = 16 if header.flags & _SHORT else 32
+        if exponent == _FLOATS:
+            y, at = _take(source, at, order + "f4", points)
+        elif header.order == "old" and bits == 32:  # the words of an integer are exchanged
+            pairs, at = _take(source, at, "<u2", 2 * points)
+            words = pairs.astype(np.uint32).reshape(-1, 2)
+            y = ((words[:, 0] << 16) | words[:, 1]).astype(np.int32)
+        else:
+            y, at = _take(source, at, f"{order}i{bits // 8}", points)
+        y = y.astype(float)
+        y = y if exponent == _FLOATS else np.ldexp(y, exponent - bits)
+        curves.append((x.astype(float), y))
+    end = header.log or len(data)
     notes = (
         ()
-        if curves[-1][2] == end or header.flags & _OWN_X
-        else (f"{end - curves[-1][2]} bytes behind its values are not read: is it damaged?",)
+        if at == end or header.flags & _OWN_X
+        else (f"{end - at} bytes behind its values are not read: is it damaged?",)
     )
     return [
         RawSpectrum(x, y, header.abscissa, header.ordinate, header.metadata, notes=notes)
-        for x, y, _ in curves
+        for x, y in curves
     ]
 
 
@@ -116,41 +147,6 @@ def _names(flags: int, x: int, y: int, labels: bytes) -> tuple[str, str]:
         if len(words) >= 2 and words[0] and words[1]:
             return words[0], words[1]
     return _ABSCISSAE.get(x, f"unit {x}"), _ORDINATES.get(y, f"ordinate {y}")
-
-
-def _curves(source: Source, header: _Header) -> Iterator[tuple[np.ndarray, np.ndarray, int]]:
-    """Abscissae and ordinates of each spectrum, and where they end."""
-    data, at = source.content, header.size
-    order = "<" if header.order == "old" else header.order
-    with_x = header.flags & _X and header.flags & _OWN_X
-    if not with_x:
-        _require_count(source, header.points)
-        x = np.linspace(header.first, header.last, header.points)
-    if header.flags & _X and not with_x:
-        x, at = _take(source, at, order + "f4", header.points)
-    for _ in range(header.spectra):
-        exponent, points = header.exponent, header.points
-        if at + _SUB_SIZE > len(data):
-            source.refuse("is damaged: it ends before its last spectrum")
-        if header.flags & _SEVERAL and exponent != _FLOATS:
-            (exponent,) = struct.unpack_from("b", data, at + 1)
-        if with_x:
-            (points,) = struct.unpack_from(order + "I", data, at + _SUB_COUNT)
-            _require_count(source, points)
-        at += _SUB_SIZE
-        if with_x:
-            x, at = _take(source, at, order + "f4", points)
-        bits = 16 if header.flags & _SHORT else 32
-        if exponent == _FLOATS:
-            y, at = _take(source, at, order + "f4", points)
-        elif header.order == "old" and bits == 32:  # the words of an integer are exchanged
-            pairs, at = _take(source, at, "<u2", 2 * points)
-            words = pairs.astype(np.uint32).reshape(-1, 2)
-            y = ((words[:, 0] << 16) | words[:, 1]).astype(np.int32)
-        else:
-            y, at = _take(source, at, f"{order}i{bits // 8}", points)
-        y = y.astype(float)
-        yield x.astype(float), y if exponent == _FLOATS else np.ldexp(y, exponent - bits), at
 
 
 def _take(source: Source, at: int, kind: str, count: int) -> tuple[np.ndarray, int]:

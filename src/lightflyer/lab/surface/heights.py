@@ -206,22 +206,17 @@ def _stand_out(
     for signs, others in searches:
         for step, relief in _reliefs(fill_missing(np.where(others, np.nan, even))):
             for mask, sign in signs:
-                found = _objects(sign * relief, far[::step, ::step], threshold)
-                if found.any():
+                # regions that rise over their surroundings more than the surface does
+                rise = sign * relief
+                opposite = -float(np.quantile(rise, _NEAR_TAIL)) / float(stats.norm.isf(_NEAR_TAIL))
+                unit = max(_deviation(rise), opposite)
+                peaks = (rise > max(threshold * unit, _RELIEF)) & far[::step, ::step]
+                if peaks.any():
+                    flanks = rise > max(_FLANK * unit, 0.5 * _RELIEF)
+                    found = ndimage.binary_propagation(peaks, mask=flanks, structure=_EIGHT)
                     whole = np.repeat(np.repeat(found, step, axis=0), step, axis=1)
                     mask |= whole[:rows, :columns]
     return _widen(above), _widen(below)
-
-
-def _objects(relief: np.ndarray, far: np.ndarray, threshold: float) -> np.ndarray:
-    """Connected regions that rise over their surroundings more than the surface does."""
-    opposite = -float(np.quantile(relief, _NEAR_TAIL)) / float(stats.norm.isf(_NEAR_TAIL))
-    unit = max(_deviation(relief), opposite)
-    peaks = (relief > max(threshold * unit, _RELIEF)) & far
-    if not peaks.any():
-        return peaks
-    flanks = relief > max(_FLANK * unit, 0.5 * _RELIEF)
-    return ndimage.binary_propagation(peaks, mask=flanks, structure=_EIGHT)
 
 
 def _widen(mask: np.ndarray) -> np.ndarray:
@@ -289,19 +284,15 @@ def count_objects(mask: np.ndarray) -> int:
     return int(ndimage.label(mask, _EIGHT)[1])
 
 
-class Spread(NamedTuple):
-    """What a map says of its surface."""
-
-    ratios: np.ndarray  # shape (2, draws); draws of Sq and Sa of the surface over those of the map
-    lost: float  # Power that levelling took, over the power left
-    patches: float  # Effective number of independent heights in the mean of squares
-
-
 def spread(
     height: np.ndarray, mask: np.ndarray, kept: np.ndarray, rng: np.random.Generator,
     pixel_aspect: float = 1.0,
-) -> Spread:  # fmt: skip
-    """How far a surface's rms and mean absolute height may be from those of its map."""
+) -> tuple[np.ndarray, float, float]:  # fmt: skip
+    """How far a surface's rms and mean absolute height may be from those of its map.
+
+    Returns draws of Sq and Sa of the surface over those of the map, shape (2, draws), the power
+    that levelling took over the power left, and the independent heights in the mean of squares.
+    """
     # ``height`` [m] is levelled, of mean zero outside the ``mask`` of pixels that do not count, and
     # not zero everywhere; ``kept`` is the share of the power of each mode that levelling keeps. The
     # surface is taken to be isotropic.
@@ -322,11 +313,8 @@ def spread(
     # of relative squares
     variances = np.maximum(missing * np.array(power), _LEAST_VARIANCE) / values.size
     freedom = np.maximum(2.0 / (variances[:, None] * _MODES / rng.chisquare(_MODES, DRAWS)), 1.0)
-    return Spread(
-        np.sqrt(freedom / rng.chisquare(freedom) + lost),
-        float(np.median(lost)),
-        float(2.0 / variances[0]),
-    )
+    ratios = np.sqrt(freedom / rng.chisquare(freedom) + lost)
+    return ratios, float(np.median(lost)), float(2.0 / variances[0])
 
 
 def _cosine_power(values: np.ndarray) -> np.ndarray:

@@ -255,8 +255,8 @@ def roughness(
     common = (kept, accuracy, seed, source.pixel_aspect)
     inside, lost, patches = _estimates(found.height, masked, *common)
     everything = _estimates(whole, missing, *common)[0]
-    said = _warnings(source, masked, inside["skewness"].value, lost, patches)
-    said += [] if rows is not None else _shifted_lines(raw)
+    lines = raw if rows is None else None
+    said = _warnings(source, masked, inside["skewness"].value, lost, patches, lines)
     if not isinstance(mask, str) and not mask.any():
         said.append("the mask given is empty: Sq is that of the whole map")
     if height_accuracy is None:
@@ -270,8 +270,9 @@ def roughness(
 
 
 def _warnings(
-    source: HeightMap, masked: np.ndarray, skewness: float, lost: float, patches: float
-) -> list[str]:
+    source: HeightMap, masked: np.ndarray, skewness: float, lost: float, patches: float,
+    lines: np.ndarray | None,
+) -> list[str]:  # fmt: skip
     said = list(source.notes)
     if missing := int(source.missing.sum()):
         said.append(
@@ -316,16 +317,15 @@ def _warnings(
             f"and the map has only about {patches:.0f} independent patches: Sq is that of the "
             "levelled map, the interval that of the surface; a wider map narrows it"
         )
+    if lines is not None:
+        # neighbouring rows differ by a common step far more than neighbouring columns
+        across, along = (
+            float(np.std(np.diff(np.median(np.diff(lines, axis=axis), axis=1 - axis))))
+            for axis in (0, 1)
+        )
+        if across > _SHIFTED * along > 0.0:
+            said.append("scan lines are shifted against each other; compare with --flatten rows")
     return said
-
-
-def _shifted_lines(raw: np.ndarray) -> list[str]:
-    # neighbouring rows differ by a common step far more than neighbouring columns
-    across, along = (
-        float(np.std(np.diff(np.median(np.diff(raw, axis=axis), axis=1 - axis)))) for axis in (0, 1)
-    )
-    text = "scan lines are shifted against each other; compare with --flatten rows"
-    return [text] if across > _SHIFTED * along > 0.0 else []
 
 
 def _estimates(
@@ -364,29 +364,26 @@ def summary(results: Sequence[Roughness]) -> dict[str, Any]:
 
 def mean_parameters(results: Sequence[Roughness], *, masked: bool = True) -> dict[str, Estimate]:
     """Means of the parameters over several maps of a surface; ``results``: two or more."""
-    accuracy = max(one.height_accuracy for one in results)
-    found = [one.parameters if masked else one.parameters_all for one in results]
-    return {name: _mean_of_maps([one[name] for one in found], accuracy) for name in PARAMETERS}
-
-
-def _mean_of_maps(estimates: Sequence[Estimate], accuracy: float) -> Estimate:
-    """Mean over maps, with the scatter of the maps' logarithms and the common accuracy."""
-    # Each map counts at the middle of its own interval, which allows for the power that levelling
-    # took.
-    values = np.array([one.value for one in estimates])
-    mean, unit = float(values.mean()), estimates[0].unit
-    if not all(math.isfinite(end) for one in estimates for end in one.interval):
-        return Estimate(mean, _NO_BOUND, unit)
-    ends = np.array([one.interval for one in estimates])
-    if ends.min() <= 0.0:
-        return Estimate(mean, (0.0, float(ends.max())), unit)
-    logarithms = np.log(ends).mean(axis=1)
-    count = len(estimates)
-    error = float(logarithms.std(ddof=1)) / math.sqrt(count)
-    half = math.hypot(error * student_factor(count - 1), accuracy * NORMAL_FACTOR)
-    low, high = np.exp(logarithms.mean() + half * np.array([-1.0, 1.0]))
-    interval = (min(float(low), mean), max(float(high), mean))
-    return Estimate(mean, interval, unit, mean * math.hypot(error, accuracy))
+    # With the scatter of the maps' logarithms and the common accuracy. Each map counts at the
+    # middle of its own interval, which allows for the power that levelling took.
+    accuracy, count = max(one.height_accuracy for one in results), len(results)
+    means = {}
+    for name in PARAMETERS:
+        maps = [(one.parameters if masked else one.parameters_all)[name] for one in results]
+        mean, unit = float(np.mean([one.value for one in maps])), maps[0].unit
+        ends = np.array([one.interval for one in maps])
+        if not np.isfinite(ends).all():
+            means[name] = Estimate(mean, _NO_BOUND, unit)
+        elif ends.min() <= 0.0:
+            means[name] = Estimate(mean, (0.0, float(ends.max())), unit)
+        else:
+            logarithms = np.log(ends).mean(axis=1)
+            error = float(logarithms.std(ddof=1)) / math.sqrt(count)
+            half = math.hypot(error * student_factor(count - 1), accuracy * NORMAL_FACTOR)
+            low, high = np.exp(logarithms.mean() + half * np.array([-1.0, 1.0]))
+            interval = (min(float(low), mean), max(float(high), mean))
+            means[name] = Estimate(mean, interval, unit, mean * math.hypot(error, accuracy))
+    return means
 
 
 def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":

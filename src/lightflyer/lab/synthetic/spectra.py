@@ -215,7 +215,10 @@ def roughness_files(seed: int = 0) -> dict[str, str | bytes]:
     bowed = 400e-9 * x - 250e-9 * y + 120e-9 * x**2 + 60e-9 * x * y  # tilt, and bow of the scanner
     maps = [with_particles(random_surface(rng), rng, _PARTICLES) + bowed + 3e-6 for _ in range(3)]
     said = label("roughness", f"truth: rms height {RMS_HEIGHT * 1e9:.1f} nm without particles")
-    matrix: dict[str, str | bytes] = {"germanium.txt": _matrix(maps[2], said)}
+    rows = ["\t".join(f"{value:.6e}" for value in row) for row in maps[2]]
+    head = [*said, "# Channel: Height", f"# Width: {_SIDE * 1e6:.2f} µm",
+            f"# Height: {_SIDE * 1e6:.2f} µm", "# Value units: m"]  # fmt: skip
+    matrix: dict[str, str | bytes] = {"germanium.txt": "\n".join([*head, *rows]) + "\n"}
     if not find_spec("SurfaceTopography"):  # of the extra "afm"
         return matrix
     return {
@@ -283,10 +286,3 @@ def gwyddion(height: np.ndarray, side: float, note: str) -> bytes:
         text("/0/data/title", "Height"),
         part("/0/meta", "o", whole("GwyContainer", text("note", note))),
     )
-
-
-def _matrix(height: np.ndarray, said: list[str]) -> str:
-    rows = ["\t".join(f"{value:.6e}" for value in row) for row in height]
-    head = [*said, "# Channel: Height", f"# Width: {_SIDE * 1e6:.2f} µm",
-            f"# Height: {_SIDE * 1e6:.2f} µm", "# Value units: m"]  # fmt: skip
-    return "\n".join([*head, *rows]) + "\n"

@@ -104,7 +104,7 @@ class Prepared:
     off_curve: np.ndarray  # Rows that belong to no curve through the others, shape (n,)
     problem: HeaterProblem
     guess: tuple[float, float, float]
-    others: dict[str, float | None]  # Coefficient by each of the other laws
+    others: dict[str, float | None]  # Coefficient by each of the other laws; none that fails
 
 
 def prepare(run: TacRun, bench: Bench) -> Prepared:
@@ -135,11 +135,14 @@ def prepare(run: TacRun, bench: Bench) -> Prepared:
         problem, kept = problem.rows(~off_curve[kept]), kept & ~off_curve
         _require_rows(run, int(kept.sum()))
     problem, guess = _weigh(problem)
-    others = {
-        name: _coefficient(make_problem(run, kept, bench, other))
-        for name, other in HEAT_LAWS.items()
-        if name != bench.law.name
-    }
+    others: dict[str, float | None] = {}
+    for name, other in HEAT_LAWS.items():
+        if name != bench.law.name:
+            by_other = make_problem(run, kept, bench, other).group()
+            try:
+                others[name] = best_tac(*_weigh(by_other))
+            except LightflyerError:
+                others[name] = None
     return Prepared(run, kept, off_curve, problem, guess, others)
 
 
@@ -170,14 +173,6 @@ def _weigh(problem: HeaterProblem) -> tuple[HeaterProblem, tuple[float, float, f
         found = minimise(problem.without_common_errors().group(), guess).params
         guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
     return problem, guess
-
-
-def _coefficient(problem: HeaterProblem) -> float | None:
-    """Coefficient by another law; None where the fit fails."""
-    try:
-        return best_tac(*_weigh(problem.group()))
-    except LightflyerError:
-        return None
 
 
 def _require_rows(run: TacRun, count: int) -> None:

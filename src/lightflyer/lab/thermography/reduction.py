@@ -361,8 +361,7 @@ def _judge(
         ))  # fmt: skip
     if not light:
         warnings += ambient_doubts(readings.values[3])
-        warnings += [*_band_diagnostics(readings, first), *_film_diagnostics(readings, first)]
-
+        warnings += _unstated(readings, first["emissivity"])
     by_slopes, by_draws = (
         {name: one.clipped(0.0, 1.0) for name, one in found.items()} for found in (first, second)
     )
@@ -383,36 +382,27 @@ def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate
     return [said] if names else []
 
 
-def _band_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
-    camera, found = readings.scene.camera, first["emissivity"].value
-
-    def emissivity(scene: Scene) -> float:
-        other = Readings(readings.method, readings.values.mean(axis=1)[:, None],
-                         readings.uncertainties, scene)  # fmt: skip
-        return float(properties_of(other)[2, 0])
-
-    hotplate, film = readings.scene.hotplate_emissivity, readings.scene.film_temperature
-    if camera is None:
-        real = emissivity(Scene(UNCOOLED, hotplate, film))
-        return [
-            f"T⁴ is no camera's response: one of {UNCOOLED.name} with these readings sees an "
-            f"emissivity of {real:.3f}, the bias is {found - real:+.3f}; state the camera's band"
-        ]
-    if camera.assumed:
-        other = emissivity(Scene(_SHORTER, hotplate, film))
-        return [
-            f"the camera's band is assumed to be {camera.name}; with {_SHORTER.name} the "
-            f"emissivity is {other:.3f} in place of {found:.3f}; state the camera's band"
-        ]
-    return []
-
-
-def _film_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list[str]:
-    """What the film's own emission may do where its temperature is not known."""
-    one, scene = first["emissivity"], readings.scene
+def _unstated(readings: Readings, one: Estimate) -> list[str]:
+    """What the camera's band and the film's own emission may do where they are not stated."""
+    scene, camera = readings.scene, readings.scene.camera
+    means = readings.values.mean(axis=1)
+    said: list[str] = []
+    if camera is None or camera.assumed:
+        other = UNCOOLED if camera is None else _SHORTER
+        seen = Scene(other, scene.hotplate_emissivity, scene.film_temperature)
+        of_means = Readings(readings.method, means[:, None], readings.uncertainties, seen)
+        found = float(properties_of(of_means)[2, 0])
+        said.append(
+            f"T⁴ is no camera's response: one of {other.name} with these readings sees an "
+            f"emissivity of {found:.3f}, the bias is {one.value - found:+.3f}; state the camera's "
+            "band"
+            if camera is None
+            else f"the camera's band is assumed to be {camera.name}; with {other.name} the "
+            f"emissivity is {found:.3f} in place of {one.value:.3f}; state the camera's band"
+        )
     if scene.film_temperature is not None or not 0.0 < one.value < 1.0:
-        return []
-    hot, _, _, cold = readings.values.mean(axis=1)
+        return said
+    hot, _, _, cold = means
     radiated = one.value * STEFAN_BOLTZMANN
 
     def gained(film: float) -> float:
@@ -423,10 +413,10 @@ def _film_diagnostics(readings: Readings, first: Mapping[str, Estimate]) -> list
     law = _law(readings)[0]
     share = float((law(film) - law(cold)) / (law(hot) - law(cold)))
     missing = 2.0 * share * one.value
-    if missing < _WORTH_SAYING * (one.uncertainty or 0.0) or missing < _ROUNDING:
-        return []
-    return [
-        f"the film is taken to be as cold as its surroundings; in still air it is about "
-        f"{film - cold:.0f} K warmer, and the emissivity about {missing:.3f} higher; state the "
-        "film's temperature"
-    ]
+    if missing >= max(_WORTH_SAYING * (one.uncertainty or 0.0), _ROUNDING):
+        said.append(
+            f"the film is taken to be as cold as its surroundings; in still air it is about "
+            f"{film - cold:.0f} K warmer, and the emissivity about {missing:.3f} higher; state the "
+            "film's temperature"
+        )
+    return said

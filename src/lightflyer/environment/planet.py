@@ -113,24 +113,20 @@ class Planet(Checked):
             raise ParameterError(f"the planet {self.name} has no {name}; give it one")
         return value
 
-    def curvature_radius(self, latitude: Numeric, azimuth: Numeric) -> Array:
+    @entry_point
+    def curvature_radius(self, latitude: Angle, azimuth: Angle) -> Array:
         r"""Radius of curvature of the ellipsoid along a direction [m]; ``latitude``: geodetic."""
         # .. math:: \frac1{R} = \frac{\cos^2 A}{M} + \frac{\sin^2 A}{N}
         #
         # with the radii of curvature M of the meridian and N of the prime vertical.
         #
         # Euler's theorem on the curvature of surfaces. Differentiable.
-        return _curvature_radius(self, latitude, azimuth)
-
-
-@entry_point
-def _curvature_radius(planet: Planet, latitude: Angle, azimuth: Angle) -> Array:
-    flattening = planet.flattening
-    eccentricity_squared = flattening * (2.0 - flattening)
-    root = 1.0 - eccentricity_squared * xp.sin(latitude) ** 2
-    across = planet.equatorial_radius / xp.sqrt(root)
-    along = across * (1.0 - eccentricity_squared) / root
-    return 1.0 / (xp.cos(azimuth) ** 2 / along + xp.sin(azimuth) ** 2 / across)
+        flattening = self.flattening
+        eccentricity_squared = flattening * (2.0 - flattening)
+        root = 1.0 - eccentricity_squared * xp.sin(latitude) ** 2
+        across = self.equatorial_radius / xp.sqrt(root)
+        along = across * (1.0 - eccentricity_squared) / root
+        return 1.0 / (xp.cos(azimuth) ** 2 / along + xp.sin(azimuth) ** 2 / across)
 
 
 EARTH_PLANET: Final = Planet(

@@ -147,7 +147,18 @@ def _state(
         environment.gas.specific_gas_constant / atmosphere.molar_mass_ratio(altitude, place),
     )
     if environment.dust is not None:
-        radiation = _dim(environment, environment.dust, radiation, altitude, place)
+        dust, distance = environment.dust, planet.radius + altitude
+        cosine = xp.cos(radiation.zenith_angle)
+        # where a ray from below the horizontal comes nearest to the ground
+        lowest = xp.maximum(distance * xp.sin(radiation.zenith_angle) - planet.radius, 0.0)
+        ground = atmosphere.pressure(0.0, place)
+        depth, lowest_depth = (
+            dust.depth_above(atmosphere.pressure(height, place) / ground)
+            for height in (altitude, lowest)
+        )
+        light = dusty_light(dust, depth, lowest_depth, cosine, distance)
+        beam, scattered = map(radiation.visible_part, (light.beam, light.scattered))
+        radiation = replace(radiation, visible=beam, scattered=scattered)
     gravity = environment.gravity
     return EnvironmentState(
         pressure=atmosphere.pressure(altitude, place),
@@ -157,28 +168,6 @@ def _state(
         radiation=radiation.with_ground_view(planet.view_from(altitude)),
         floor_distance=environment.floor,
     )
-
-
-def _dim(
-    environment: Planetary,
-    dust: Dust,
-    radiation: Radiation,
-    altitude: Numeric,
-    place: Place | None,
-) -> Radiation:
-    """Light below the dust above a place."""
-    radius, pressure = environment.planet.radius, environment.atmosphere.pressure
-    distance = radius + altitude
-    cosine = xp.cos(radiation.zenith_angle)
-    # where a ray from below the horizontal comes nearest to the ground
-    lowest = xp.maximum(distance * xp.sin(radiation.zenith_angle) - radius, 0.0)
-    ground = pressure(0.0, place)
-    depth, lowest_depth = (
-        dust.depth_above(pressure(height, place) / ground) for height in (altitude, lowest)
-    )
-    light = dusty_light(dust, depth, lowest_depth, cosine, distance)
-    beam, scattered = map(radiation.visible_part, (light.beam, light.scattered))
-    return replace(radiation, visible=beam, scattered=scattered)
 
 
 class PlanetSection(AltitudeSection, abc.ABC):

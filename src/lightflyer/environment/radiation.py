@@ -174,20 +174,21 @@ class Radiation(Checked):
             light += f", and diffuse {span(self.diffuse_above)} W/m² from above"
         reflects = bool(np.any(self.albedo))
         reflected = f"{span(self.albedo)} of it (albedo), from below" if reflects else "none"
-        told = [light, f"reflected light: {reflected}", f"infrared: {self._describe_infrared()}"]
-        if reflects or not (self.infrared_above is None and self.infrared_below is None):
+        given = {"above": self.infrared_above, "below": self.infrared_below}
+        black = all(infrared is None for infrared in given.values())
+        infrared = ", ".join(
+            f"from {side} {_BLACK if one is None else f'{span(one)} W/m²'}"
+            for side, one in given.items()
+        )
+        told = [
+            light,
+            f"reflected light: {reflected}",
+            f"infrared: {_BLACK if black else infrared}",
+        ]
+        if reflects or not black:
             seen = view if self.ground_view is None else span(self.ground_view)
             told.append(f"view factor of the ground: {seen}")
         return tuple(told)
-
-    def _describe_infrared(self) -> str:
-        given = {"above": self.infrared_above, "below": self.infrared_below}
-        if all(infrared is None for infrared in given.values()):
-            return _BLACK
-        return ", ".join(
-            f"from {side} {_BLACK if infrared is None else f'{span(infrared)} W/m²'}"
-            for side, infrared in given.items()
-        )
 
     def views_of_ground(self, attitude: Attitude | None) -> tuple[Numeric, Numeric]:
         """View factors from the top and the bottom face to the ground [1]."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -86,15 +86,9 @@ def _in_layers(altitude: Array) -> tuple[Array, Array]:
     return base + lapse * above_base, log_pressure
 
 
-class _UpperTable(NamedTuple):
-    """The standard's table above 86 km: log-pressure, and molar-mass ratio at the nodes."""
-
-    log_pressure: Spline
-    ratio: np.ndarray
-
-
 @cache
-def _upper_table() -> _UpperTable:
+def _upper_table() -> tuple[Spline, np.ndarray]:
+    """The standard's table above 86 km: log-pressure, and molar-mass ratio at the nodes."""
     rows = shipped_table("us1976_upper.csv").numbers
     altitude, pressure = rows["altitude_km"] * _METRES_PER_KILOMETRE, rows["pressure"]
     temperature = np.asarray(_upper_temperature(altitude, np))
@@ -111,7 +105,7 @@ def _upper_table() -> _UpperTable:
     radius = constants.EARTH_EFFECTIVE_RADIUS
     gravity_ratio = (radius / (radius + altitude)) ** 2
     slopes = -_HYDROSTATIC * gravity_ratio * ratio / temperature
-    return _UpperTable(Spline.hermite(altitude, log_pressure, slopes), ratio)
+    return Spline.hermite(altitude, log_pressure, slopes), ratio
 
 
 def _upper_temperature(altitude: Altitude, xp: ModuleType = xp) -> Any:
@@ -138,13 +132,13 @@ def _ratio_in_layers(altitude: Array) -> Array:
 
 def _pressure(altitude: Array) -> Array:
     _, layers = _in_layers(xp.minimum(altitude, _HOMOSPHERE_TOP))
-    upper = _upper_table().log_pressure(altitude)
+    upper = _upper_table()[0](altitude)
     return xp.exp(xp.where(altitude < _HOMOSPHERE_TOP, layers, upper))
 
 
 def _molar_mass_ratio(altitude: Array) -> Array:
-    table = _upper_table()
-    upper = xp.interp(altitude, xp.asarray(table.log_pressure.nodes), xp.asarray(table.ratio))
+    log_pressure, ratio = _upper_table()
+    upper = xp.interp(altitude, xp.asarray(log_pressure.nodes), xp.asarray(ratio))
     return xp.where(altitude < _HOMOSPHERE_TOP, _ratio_in_layers(altitude), upper)
 
 

@@ -156,16 +156,7 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
 
     @entry_point
     def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
-        exponent = self.molar_mass / _GAS_CONSTANT * self._weight_over_temperature(altitude)
-        return self._nan_outside(altitude, self.surface_pressure * xp.exp(-exponent))
-
-    @entry_point
-    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
-        """One: the composition is the same at all altitudes."""
-        return self._nan_outside(altitude, xp.ones_like(altitude))
-
-    def _weight_over_temperature(self, altitude: Array) -> Array:
-        """Integral of g/T from altitude 0 [m²/(s² K)]."""
+        # integral of g/T from altitude 0 [m²/(s² K)]
         nodes, offset = xp.asarray(self.profile.nodes), xp.asarray(self.temperature_offset)
         start, width = nodes[:-1, None], xp.diff(nodes)[:, None]
         between, offsets, of_offset = start + _NODES * width, offset, None
@@ -178,15 +169,23 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         rest = (altitude - nodes[piece])[..., None]
         within = nodes[piece][..., None] + _NODES * rest
         partial = xp.sum(self._integrand(within, offset[..., None]) * _WEIGHTS * rest, axis=-1)
-        if offset.ndim == 0:
-            return below[piece] + partial
         shape = xp.broadcast_shapes(xp.shape(offset), xp.shape(altitude))
-        piece = xp.broadcast_to(piece, shape)
-        if of_offset is not None:
+        if offset.ndim == 0:
+            below = below[piece]
+        elif of_offset is not None:
             row = np.broadcast_to(of_offset.reshape(offset.shape), shape)
-            return below[row, piece] + partial
-        rows = xp.broadcast_to(below, (*shape, below.shape[-1]))
-        return xp.take_along_axis(rows, piece[..., None], axis=-1)[..., 0] + partial
+            below = below[row, xp.broadcast_to(piece, shape)]
+        else:
+            rows = xp.broadcast_to(below, (*shape, below.shape[-1]))
+            piece = xp.broadcast_to(piece, shape)[..., None]
+            below = xp.take_along_axis(rows, piece, axis=-1)[..., 0]
+        exponent = self.molar_mass / _GAS_CONSTANT * (below + partial)
+        return self._nan_outside(altitude, self.surface_pressure * xp.exp(-exponent))
+
+    @entry_point
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+        """One: the composition is the same at all altitudes."""
+        return self._nan_outside(altitude, xp.ones_like(altitude))
 
     def _integrand(self, altitude: Array, offset: Array) -> Array:
         return MARS_PLANET.gravity_at(altitude) / (self.profile(altitude) + offset)

@@ -254,8 +254,9 @@ def _basis(season: Any, day: Any, longitude: Any, xp: Any = xp) -> Any:
     return waves[..., _TERMS[:, 0]] * _yearly(season, xp)[..., _TERMS[:, 1]]
 
 
-def _samples(indices: SolarActivity) -> tuple[np.ndarray, np.ndarray]:
-    """Terms, shape (samples, terms), and the model, shape (samples, 3, latitudes, altitudes)."""
+@cache
+def _coefficients(indices: SolarActivity) -> np.ndarray:
+    """Fitted coefficients, shape (latitudes, altitudes, 3, terms)."""
     terms, values = [], []
     days = np.round(np.arange(_SEASONS) * _DAYS_OF_MODEL / _SEASONS).astype(int)
     for day in days:
@@ -270,14 +271,7 @@ def _samples(indices: SolarActivity) -> tuple[np.ndarray, np.ndarray]:
             values.append(found[:, 0])
     model = np.array(values)
     model[:, 1] = np.log(model[:, 1])
-    return np.array(terms), model
-
-
-@cache
-def _coefficients(indices: SolarActivity) -> np.ndarray:
-    """Fitted coefficients, shape (latitudes, altitudes, 3, terms)."""
-    terms, model = _samples(indices)
-    fitted = np.linalg.pinv(terms) @ model.reshape(len(model), -1)
+    fitted = np.linalg.pinv(np.array(terms)) @ model.reshape(len(model), -1)
     return np.moveaxis(fitted.reshape(-1, *model.shape[1:]), (0, 1), (3, 2))
 
 

@@ -228,11 +228,18 @@ class GriddedGround(AbstractGround):
 
     def describe(self) -> tuple[str, ...]:
         other = dict(zip(_KINDS, self.otherwise.describe(), strict=True))
-        told = {"albedo": "albedo", "infrared": "infrared from below"}
-        return tuple(
-            other[name] if field is None else f"{told[name]}: {_words(field)}"
-            for name, field in (("albedo", self.albedo), ("infrared", self.infrared))
-        )
+        named = {"albedo": "albedo", "infrared": "infrared from below"}
+        for name, field in (("albedo", self.albedo), ("infrared", self.infrared)):
+            if field is not None:
+                times, rows, columns = np.shape(field.values)
+                dates = f"{times} dates" if field.ends else "months"
+                where = f"{rows} latitudes" if rows > 1 else "all latitudes"
+                other[name] = (
+                    f"{named[name]}: {span(field.values)}, a dataset of "
+                    f"{'the same always' if times == 1 else dates}, {where}"
+                    f"{f', {columns} longitudes' if columns > 1 else ''}"
+                )
+        return tuple(other.values())
 
 
 @entry_point
@@ -244,23 +251,23 @@ def _field_at(field: _Field, place: Place) -> Array:
     return xp.where((place.time >= first) & (place.time <= last), value, np.nan)
 
 
-def _words(field: _Field) -> str:
-    times, rows, columns = np.shape(field.values)
-    when = "the same always" if times == 1 else f"{times} dates" if field.ends else "months"
-    where = (f"{rows} latitudes" if rows > 1 else "all latitudes") + (
-        f", {columns} longitudes" if columns > 1 else ""
-    )
-    return f"{span(field.values)}, a dataset of {when}, {where}"
-
-
 def _read(array: Any, name: str) -> _Field:
     names = _dimensions(array, name)
     values = _check(array.transpose(*names.values()), name)
     time, period, ends = np.zeros(1), None, None
     if names.get("time") == "month":
-        time, period = _months(array["month"], name), _YEAR
+        months, period = np.asarray(array["month"].values), _YEAR
+        if sorted(months.tolist()) != list(range(1, _MONTHS + 1)):
+            raise ConfigurationError(f"ground: month of {name} must be the numbers 1 to 12")
+        edges = seconds_of(np.arange("2001-01", "2002-02", dtype="datetime64[M]").astype("M8[s]"))
+        time = np.mod(0.5 * (edges[:-1] + edges[1:])[months - 1], _YEAR)  # the middle of each
     elif "time" in names:
-        time = _seconds(array[names["time"]], name)
+        dates = array[names["time"]]
+        if not np.issubdtype(dates.dtype, np.datetime64):
+            raise ConfigurationError(
+                f"ground: time of {name} must be dates (UTC), or month the numbers 1 to 12"
+            )
+        time = np.asarray(seconds_of(dates.values))
         ends = (time.min(), time.max()) if time.size > 1 else None
     latitude, longitude = (
         np.asarray(array[names[kind]].values, float) * RADIANS_PER_DEGREE
@@ -278,7 +285,15 @@ def _read(array: Any, name: str) -> _Field:
         if np.any(~np.isfinite(axis)) or np.any(np.diff(axis) <= 0.0):
             raise ConfigurationError(f"ground: {kind} of {name} has missing or repeated entries")
     if "longitude" in names:
-        longitude, values = _around(longitude, values, name)
+        width = longitude[-1] - longitude[0]
+        if abs(width - _TURN) < 1e-6:  # 0° and 360° are both there
+            longitude, values = longitude[:-1], values[..., :-1]
+        elif not (
+            longitude.size > 2 and width <= _TURN <= width + _CLOSED * np.diff(longitude).max()
+        ):
+            raise ConfigurationError(
+                f"ground: longitude of {name} must go once round the planet, in three steps or more"
+            )
     if "latitude" in names:
         latitude, values = _to_poles(latitude, values, name)
     around = _TURN if "longitude" in names else None
@@ -325,35 +340,6 @@ def _check(array: Any, name: str) -> np.ndarray:
     if doubt := quantity.unlikely(values):
         raise ConfigurationError(f"ground: {name} = {doubt}")
     return values
-
-
-def _months(array: Any, name: str) -> np.ndarray:
-    """Middle of each month [s since the epoch], within one year."""
-    months = np.asarray(array.values)
-    if sorted(months.tolist()) != list(range(1, _MONTHS + 1)):
-        raise ConfigurationError(f"ground: month of {name} must be the numbers 1 to 12")
-    edges = seconds_of(np.arange("2001-01", "2002-02", dtype="datetime64[M]").astype("M8[s]"))
-    return np.mod(0.5 * (edges[:-1] + edges[1:])[months - 1], _YEAR)
-
-
-def _seconds(array: Any, name: str) -> np.ndarray:
-    if not np.issubdtype(array.dtype, np.datetime64):
-        raise ConfigurationError(
-            f"ground: time of {name} must be dates (UTC), or month the numbers 1 to 12"
-        )
-    return np.asarray(seconds_of(array.values))
-
-
-def _around(longitude: np.ndarray, values: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Longitudes all round the planet, each meridian once."""
-    width = longitude[-1] - longitude[0]
-    if abs(width - _TURN) < 1e-6:  # 0° and 360° are both there
-        return longitude[:-1], values[..., :-1]
-    if longitude.size < 3 or width + _CLOSED * np.diff(longitude).max() < _TURN or width > _TURN:
-        raise ConfigurationError(
-            f"ground: longitude of {name} must go once round the planet, in three steps or more"
-        )
-    return longitude, values
 
 
 def _to_poles(latitude: np.ndarray, values: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:

@@ -84,9 +84,16 @@ class Dust(Checked):
     scattered_share: Fraction = SCATTERED_SHARE  #: Single-scattering albedo [1]
     asymmetry: Fraction = ASYMMETRY  #: Mean cosine of the angle of scattering [1]
 
+    @entry_point
     def depth_above(self, share_of_pressure: Numeric) -> Array:
         """Vertical optical depth of what is above [1]."""
-        return _depth_above(self, share_of_pressure)
+        share = xp.asarray(share_of_pressure)
+
+        def column(part: Array) -> Array:
+            mixed = xp.exp(self.fall_off * (1.0 - 1.0 / (part[..., None] * _NODES)))
+            return part * xp.sum(mixed * _WEIGHTS, axis=-1)
+
+        return self.optical_depth * column(share) / column(xp.ones(()))
 
     def describe(self) -> str:
         """Dust in words."""
@@ -94,17 +101,6 @@ class Dust(Checked):
             f"dust: optical depth {span(self.optical_depth)} above altitude 0, of which the part "
             "above the flyer dims the beam and scatters light down"
         )
-
-
-@entry_point
-def _depth_above(dust: Dust, share_of_pressure: Numeric) -> Array:
-    share = xp.asarray(share_of_pressure)
-
-    def column(part: Array) -> Array:
-        mixed = xp.exp(dust.fall_off * (1.0 - 1.0 / (part[..., None] * _NODES)))
-        return part * xp.sum(mixed * _WEIGHTS, axis=-1)
-
-    return dust.optical_depth * column(share) / column(xp.ones(()))
 
 
 @entry_point

@@ -126,7 +126,14 @@ class Daylight(AbstractSky, Checked):
 
         def turn(time: Array) -> tuple[Array, Array]:
             """Angle that the planet has turned since noon, and cosine of that at sunset."""
-            return self._turn_since_noon(altitude, place._replace(time=time))
+            # a cosine beyond ±1 is that of a sun which stays above or below the horizon
+            sun = self.sun.position(time)
+            x, y, z = (sun.direction[..., axis] for axis in range(3))
+            angle = xp.mod(place.longitude - xp.arctan2(y, x) + np.pi, _TURN) - np.pi
+            seen = sun_in_sky(sun, place.latitude, place.longitude)
+            depression = self.depression(altitude, place._replace(time=time), seen)
+            above = xp.sin(depression) + xp.sin(place.latitude) * z
+            return angle, -above / (xp.cos(place.latitude) * xp.hypot(x, y))
 
         def search(side: float, start: Array) -> Array:
             """Noon at side 0, first light at -1, last at 1."""
@@ -145,16 +152,6 @@ class Daylight(AbstractSky, Checked):
             for side in (-1.0, 1.0)
         )
         return LightHours(first, noon, last, half_day / np.pi)
-
-    def _turn_since_noon(self, altitude: Altitude, place: Place) -> tuple[Array, Array]:
-        """Angle by which the planet has turned since noon, and the cosine of that at sunset."""
-        # A cosine beyond ±1 is that of a sun which stays above or below the horizon.
-        sun = self.sun.position(place.time)
-        x, y, z = (sun.direction[..., axis] for axis in range(3))
-        angle = xp.mod(place.longitude - xp.arctan2(y, x) + np.pi, _TURN) - np.pi
-        seen = sun_in_sky(sun, place.latitude, place.longitude)
-        above = xp.sin(self.depression(altitude, place, seen)) + xp.sin(place.latitude) * z
-        return angle, -above / (xp.cos(place.latitude) * xp.hypot(x, y))
 
     def assumptions(self) -> tuple[str, ...]:
         heat = (

@@ -144,13 +144,33 @@ def sun_from_earth(time: Numeric) -> SunPosition:
     days = time / SECONDS_PER_DAY
     terrestrial = days + TERRESTRIAL_MINUS_UNIVERSAL / SECONDS_PER_DAY
     millennia = terrestrial / DAYS_PER_MILLENNIUM
-    longitude, distance = _heliocentric(millennia)
-    nutation, obliquity = _nutation_and_obliquity(terrestrial / DAYS_PER_CENTURY)
+    # of Earth from the sun [rad], [au]; its latitude stays below 1.2″
+    longitude = _TERMS * (
+        _cosines(_LONGITUDE_0, millennia)
+        + _cosines(_LONGITUDE_1, millennia) * millennia
+        + _cosines(_LONGITUDE_2, millennia) * millennia**2
+    )
+    distance = _cosines(_DISTANCE_0, millennia) + _cosines(_DISTANCE_1, millennia) * millennia
+    distance = distance * _TERMS
+    centuries = terrestrial / DAYS_PER_CENTURY
+    node, mean_longitude = (
+        (first + rate * centuries) * RADIANS_PER_DEGREE for first, rate in (_NODE, _MEAN_LONGITUDE)
+    )
+    by_node, by_sun = _NUTATION_LONGITUDE
+    nutation = by_node * xp.sin(node) + by_sun * xp.sin(2.0 * mean_longitude)
+    nutation = nutation * _ARC_SECOND
+    by_node, by_sun = _NUTATION_OBLIQUITY
+    tilt = by_node * xp.cos(node) + by_sun * xp.cos(2.0 * mean_longitude)
+    mean = (_OBLIQUITY[0] + _OBLIQUITY[1] * centuries) * RADIANS_PER_DEGREE
+    obliquity = mean + tilt * _ARC_SECOND
     apparent = longitude + np.pi + nutation + _ABERRATION * _ARC_SECOND / distance
     # right ascension is where the ecliptic's vector points in the equator's frame
     along, ahead = xp.cos(apparent), xp.sin(apparent)
     equatorial = along, xp.cos(obliquity) * ahead, xp.sin(obliquity) * ahead
-    turned = _sidereal_angle(days) + nutation * xp.cos(obliquity)
+    # mean sidereal time of Greenwich
+    sidereal = _SIDEREAL_ANGLE + _SIDEREAL_RATE * days
+    sidereal = sidereal + _SIDEREAL_GROWTH * (days / DAYS_PER_CENTURY) ** 2
+    turned = sidereal * RADIANS_PER_DEGREE + nutation * xp.cos(obliquity)
     direction = xp.stack(
         [
             xp.cos(turned) * equatorial[0] + xp.sin(turned) * equatorial[1],
@@ -162,40 +182,9 @@ def sun_from_earth(time: Numeric) -> SunPosition:
     return SunPosition(direction, distance * constants.ASTRONOMICAL_UNIT)
 
 
-def _heliocentric(millennia: Array) -> tuple[Array, Array]:
-    """Longitude [rad] and distance [au] of Earth from the sun; its latitude stays below 1.2″."""
-    longitude = (
-        _cosines(_LONGITUDE_0, millennia)
-        + _cosines(_LONGITUDE_1, millennia) * millennia
-        + _cosines(_LONGITUDE_2, millennia) * millennia**2
-    )
-    distance = _cosines(_DISTANCE_0, millennia) + _cosines(_DISTANCE_1, millennia) * millennia
-    return longitude * _TERMS, distance * _TERMS
-
-
 def _cosines(terms: np.ndarray, millennia: Array) -> Array:
     amplitude, phase, rate = terms.T
     return xp.sum(amplitude * xp.cos(phase + rate * xp.asarray(millennia)[..., None]), axis=-1)
-
-
-def _nutation_and_obliquity(centuries: Array) -> tuple[Array, Array]:
-    """Nutation in longitude and true obliquity of the ecliptic [rad]."""
-    node, longitude = (
-        (first + rate * centuries) * RADIANS_PER_DEGREE for first, rate in (_NODE, _MEAN_LONGITUDE)
-    )
-    by_node, by_sun = _NUTATION_LONGITUDE
-    nutation = by_node * xp.sin(node) + by_sun * xp.sin(2.0 * longitude)
-    by_node, by_sun = _NUTATION_OBLIQUITY
-    tilt = by_node * xp.cos(node) + by_sun * xp.cos(2.0 * longitude)
-    mean = (_OBLIQUITY[0] + _OBLIQUITY[1] * centuries) * RADIANS_PER_DEGREE
-    return nutation * _ARC_SECOND, mean + tilt * _ARC_SECOND
-
-
-def _sidereal_angle(days: Array) -> Array:
-    """Mean sidereal time of Greenwich [rad]."""
-    centuries = days / DAYS_PER_CENTURY
-    angle = _SIDEREAL_ANGLE + _SIDEREAL_RATE * days + _SIDEREAL_GROWTH * centuries**2
-    return angle * RADIANS_PER_DEGREE
 
 
 @entry_point
@@ -272,24 +261,20 @@ class TabulatedSun(AbstractSun):
         self.start, self.spacing, self.rotation_rate = start, nodes[1] - nodes[0], rotation_rate
         self.coefficients = np.moveaxis(spline.c, 0, 1)  # of each piece, highest power first
 
+    @entry_point
     def position(self, time: Numeric) -> SunPosition:
         """Position of the sun; NaN outside the table."""
-        return _position(self, time)
-
-
-@entry_point
-def _position(table: TabulatedSun, time: Numeric) -> SunPosition:
-    since = time - table.start
-    pieces = table.coefficients.shape[0]
-    within = (since >= 0.0) & (since <= pieces * table.spacing * (1.0 + 1e-12))
-    piece = xp.clip(since // table.spacing, 0, pieces - 1).astype(int)
-    along = (since - piece * table.spacing)[..., None]
-    third, second, first, zeroth = xp.moveaxis(table.coefficients[piece], -2, 0)
-    fixed = ((third * along + second) * along + first) * along + zeroth
-    x, y, z, distance = xp.moveaxis(fixed, -1, 0)
-    turned = table.rotation_rate * since
-    cosine, sine = xp.cos(turned), xp.sin(turned)
-    direction = xp.stack([x * cosine + y * sine, y * cosine - x * sine, z], axis=-1)
-    return SunPosition(
-        xp.where(within[..., None], direction, np.nan), xp.where(within, distance, np.nan)
-    )
+        since = time - self.start
+        pieces = self.coefficients.shape[0]
+        within = (since >= 0.0) & (since <= pieces * self.spacing * (1.0 + 1e-12))
+        piece = xp.clip(since // self.spacing, 0, pieces - 1).astype(int)
+        along = (since - piece * self.spacing)[..., None]
+        third, second, first, zeroth = xp.moveaxis(self.coefficients[piece], -2, 0)
+        fixed = ((third * along + second) * along + first) * along + zeroth
+        x, y, z, distance = xp.moveaxis(fixed, -1, 0)
+        turned = self.rotation_rate * since
+        cosine, sine = xp.cos(turned), xp.sin(turned)
+        direction = xp.stack([x * cosine + y * sine, y * cosine - x * sine, z], axis=-1)
+        return SunPosition(
+            xp.where(within[..., None], direction, np.nan), xp.where(within, distance, np.nan)
+        )

@@ -78,7 +78,21 @@ class WindFields(NamedTuple):
 
 def read_grid(dataset: Any) -> WindGrid:
     """Check a dataset and take the winds from it."""
-    fields = _whole_levels(read_fields(dataset))
+    fields = read_fields(dataset)
+    level = fields.axes[1]
+    # from the lowest one that no mountain reaches
+    whole = np.logical_and.reduce(
+        [np.isfinite(values).all(axis=(0, 2, 3)) for values in fields.values.values()]
+    )
+    first = int(np.argmax(whole))
+    if level.size - first < _FEWEST_LEVELS:
+        first = 0
+    kept = {name: values[:, first:] for name, values in fields.values.items()}
+    for name, values in kept.items():
+        require_finite(values, name)
+    axes = [*fields.axes]
+    axes[1] = level[first:]
+    fields = fields._replace(axes=axes, values=kept)
     altitude, told = heights_of(fields)
     if altitude is None:
         return grid_of(fields, told)
@@ -106,7 +120,10 @@ def read_fields(dataset: Any, *, air_only: bool = False) -> WindFields:
         is_place = name is not None and name != names.get("time")
         if is_place and values.size == 1 and not air_only:
             raise ConfigurationError(f"winds: {called(dataset[name])} needs two entries or more")
-    known = _known_air(dataset, given) if by_pressure else {}
+    beside = _AIR if by_pressure else {}
+    known = {name: unit for name, unit in beside.items() if name in dataset.data_vars}
+    if "temperature" in known and "w" in given and _is_omega(dataset["w"]):
+        known["w"] = _OMEGA
     units = dict.fromkeys(given, "m/s") | known
     found = {
         name: _field(dataset, name, unit, order, sorting, missing=by_pressure)
@@ -140,9 +157,19 @@ def grid_of(
         longitude = np.arange(_MERIDIANS) / _MERIDIANS * 2.0 * np.pi
         east, north, up = (np.repeat(part, _MERIDIANS, axis=-1) for part in (east, north, up))
         air = None if air is None else np.repeat(air, _MERIDIANS, axis=3)
+    if np.any(np.abs(latitude) > np.pi / 2 * (1.0 + 1e-9)):
+        raise ConfigurationError("winds: latitude must be between -90 and 90 degrees")
+    width, turn = longitude[-1] - longitude[0], 2.0 * np.pi
+    if width > turn + 1e-6:
+        raise ConfigurationError("winds: longitude goes more than once round the planet")
+    around = bool(width + 1.01 * np.diff(longitude).max() >= turn)
+    if width > turn - 1e-6:  # 0° and 360° are both there
+        longitude = longitude[:-1]
+        east, north, up = (part[..., :-1] for part in (east, north, up))
+        air = None if air is None else air[..., :-1, :]
     by_pressure = fields.by_pressure and altitudes is None
-    return _around(
-        WindGrid(time, level, by_pressure, latitude, longitude, False, east, north, up, told, air)
+    return WindGrid(
+        time, level, by_pressure, latitude, longitude, around, east, north, up, told, air
     )
 
 
@@ -231,14 +258,6 @@ def _seconds(array: Any) -> np.ndarray:
     return np.asarray(seconds_of(array.values))
 
 
-def _known_air(dataset: Any, given: list[str]) -> dict[str, str]:
-    """What a dataset on pressure levels has beside winds, and units for it all."""
-    units = {name: unit for name, unit in _AIR.items() if name in dataset.data_vars}
-    if "temperature" in units and "w" in given and _is_omega(dataset["w"]):
-        units["w"] = _OMEGA
-    return units
-
-
 def _is_omega(array: Any) -> bool:
     try:
         return bool(scale_and_offset(unit_of(array), _OMEGA))
@@ -294,23 +313,6 @@ def require_finite(values: np.ndarray, name: str) -> None:
         )
 
 
-def _whole_levels(fields: WindFields) -> WindFields:
-    """Levels from the lowest one that no mountain reaches."""
-    level = fields.axes[1]
-    whole = np.logical_and.reduce(
-        [np.isfinite(values).all(axis=(0, 2, 3)) for values in fields.values.values()]
-    )
-    first = int(np.argmax(whole))
-    if level.size - first < _FEWEST_LEVELS:
-        first = 0
-    kept = {name: values[:, first:] for name, values in fields.values.items()}
-    for name, values in kept.items():
-        require_finite(values, name)
-    axes = [*fields.axes]
-    axes[1] = level[first:]
-    return fields._replace(axes=axes, values=kept)
-
-
 def heights_of(fields: WindFields) -> tuple[np.ndarray | None, str]:
     """Altitudes of pressure levels [m], shape (t, z, y, x), where a file tells them, and how."""
     if not fields.by_pressure:
@@ -345,21 +347,3 @@ def winds_on(new: np.ndarray, fields: WindFields, altitude: np.ndarray) -> dict[
         level = np.broadcast_to(-fields.axes[1][:, None, None], altitude.shape)
         winds |= dict(zip(_OF_AIR, (fields.values["temperature"], level), strict=True))
     return dict(zip(winds, on_altitudes(altitude, [*winds.values()], new), strict=True))
-
-
-def _around(grid: WindGrid) -> WindGrid:
-    """The same, knowing whether its longitudes close, each meridian once."""
-    longitude, turn = grid.longitude, 2.0 * np.pi
-    if np.any(np.abs(grid.latitude) > np.pi / 2 * (1.0 + 1e-9)):
-        raise ConfigurationError("winds: latitude must be between -90 and 90 degrees")
-    spacing = np.diff(longitude).max()
-    width = longitude[-1] - longitude[0]
-    if width > turn + 1e-6:
-        raise ConfigurationError("winds: longitude goes more than once round the planet")
-    if width > turn - 1e-6:  # 0° and 360° are both there
-        east, north, up = (field[..., :-1] for field in (grid.east, grid.north, grid.up))
-        air = None if grid.air is None else grid.air[..., :-1, :]
-        return grid._replace(
-            longitude=longitude[:-1], around=True, east=east, north=north, up=up, air=air
-        )
-    return grid._replace(around=bool(width + 1.01 * spacing >= turn))

@@ -81,26 +81,6 @@ def _geopotential_slope(sine: np.ndarray, altitude: np.ndarray) -> np.ndarray:
     return slope * height + gravity * 4.0 * flattening * sine * altitude**2 / equator
 
 
-def _rotations(atmosphere: GlobalNRLMSIS) -> np.ndarray:
-    """Angular velocity of the balanced wind, shape (seasons, latitudes, altitudes) [rad/s]."""
-    latitude, altitude, temperature, log_pressure, ratio = atmosphere.zonal_means(_SEASONS)
-    chosen = np.searchsorted(altitude, _ALTITUDES)
-    temperature, log_pressure, ratio = (
-        field[:, :, chosen] for field in (temperature, log_pressure, ratio)
-    )
-    nodes = np.concatenate([-_LATITUDES[::-1], _LATITUDES])
-    sine = np.sin(nodes)[:, None]
-    fit = np.linalg.pinv(legendre.legvander(np.sin(latitude), _DEGREE))
-    of_node = legendre.legvander(sine[:, 0], _DEGREE) @ fit
-    slope_of = np.stack([legendre.legval(sine[:, 0], legendre.legder(row)) for row in fit.T], -1)
-    gas_constant = constants.GAS_CONSTANT_US1976 / (constants.MOLAR_MASS_AIR * (of_node @ ratio))
-    push = gas_constant * (of_node @ temperature) * (slope_of @ log_pressure)
-    push = push + _geopotential_slope(sine, _ALTITUDES)
-    along, across = (EARTH_PLANET.curvature_radius(nodes, angle) for angle in (0.0, np.pi / 2))
-    distances = (along[:, None] + _ALTITUDES) * (across[:, None] + _ALTITUDES)
-    return balanced_rotation(push / distances, sine, EARTH_PLANET.rotation_rate)
-
-
 class GradientWind(AbstractWind):
     r"""Zonal wind in balance with the pressure of NRLMSIS 2.1, without any wind data.
 
@@ -142,9 +122,26 @@ class GradientWind(AbstractWind):
 
     def __init__(self, atmosphere: GlobalNRLMSIS):
         require_record("atmosphere", (GlobalNRLMSIS,), atmosphere)
-        self.rotations = _rotations(atmosphere)
+        latitude, altitude, temperature, log_pressure, ratio = atmosphere.zonal_means(_SEASONS)
+        chosen = np.searchsorted(altitude, _ALTITUDES)
+        temperature, log_pressure, ratio = (
+            field[:, :, chosen] for field in (temperature, log_pressure, ratio)
+        )
+        nodes = np.concatenate([-_LATITUDES[::-1], _LATITUDES])
+        sine = np.sin(nodes)[:, None]
+        fit = np.linalg.pinv(legendre.legvander(np.sin(latitude), _DEGREE))
+        of_node = legendre.legvander(sine[:, 0], _DEGREE) @ fit
+        slopes = [legendre.legval(sine[:, 0], legendre.legder(row)) for row in fit.T]
+        slope_of = np.stack(slopes, -1)
+        molar_mass = constants.MOLAR_MASS_AIR * (of_node @ ratio)
+        gas_constant = constants.GAS_CONSTANT_US1976 / molar_mass
+        push = gas_constant * (of_node @ temperature) * (slope_of @ log_pressure)
+        push = push + _geopotential_slope(sine, _ALTITUDES)
+        along, across = (EARTH_PLANET.curvature_radius(nodes, angle) for angle in (0.0, np.pi / 2))
+        distances = (along[:, None] + _ALTITUDES) * (across[:, None] + _ALTITUDES)
+        self.rotations = balanced_rotation(push / distances, sine, EARTH_PLANET.rotation_rate)
         self.seasons = Axis(_SEASONS, TROPICAL_YEAR)
-        self.latitudes = Axis(np.concatenate([-_LATITUDES[::-1], _LATITUDES]))
+        self.latitudes = Axis(nodes)
         self.altitudes = Axis(_ALTITUDES)
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:

@@ -385,16 +385,6 @@ def _smooth(within: Numeric) -> Numeric:
     return share**2 * (3.0 - 2.0 * share)
 
 
-def _inner(lowest: float, highest: float, altitude: Altitude) -> Array:
-    """The altitude, which stays within the data and slows down in their last two kilometres [m]."""
-
-    def slowed(distance: Numeric) -> Array:
-        inside = xp.clip(distance / TWO_KILOMETRES, 0.0, 1.0)
-        return xp.maximum(distance, 0.5 * TWO_KILOMETRES * (1.0 + inside**2))
-
-    return lowest + slowed(highest - slowed(highest - altitude) - lowest)
-
-
 @entry_point
 def _air(
     wind: WindBeyondData, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere
@@ -402,7 +392,14 @@ def _air(
     margins = wind.data.margins(altitude, place).items()
     sides = [margin for name, margin in margins if not name.startswith("altitude")]
     beside = _smooth(reduce(xp.minimum, sides, xp.asarray(1.0)))
-    inner = _inner(*wind.data.reach.ends[1], altitude)
+    # the altitude, which stays within the data and slows down in their last two kilometres
+    lowest, highest = wind.data.reach.ends[1]
+
+    def slowed(distance: Numeric) -> Array:
+        inside = xp.clip(distance / TWO_KILOMETRES, 0.0, 1.0)
+        return xp.maximum(distance, 0.5 * TWO_KILOMETRES * (1.0 + inside**2))
+
+    inner = lowest + slowed(highest - slowed(highest - altitude) - lowest)
     data = wind.data.air(inner, place, atmosphere)
     assert data is not None
     known = beside > 0.0  # elsewhere NaN

@@ -88,7 +88,16 @@ class HWM14(AbstractWind):
 
     def __init__(self, path: str | Path):
         knots, levels = _read(Path(path))
-        self.pieces, self.heights = _pieces(knots, levels)
+        from scipy.interpolate import BSpline
+
+        metres = _METRES_PER_KILOMETRE * knots[: len(levels) + _CUBIC + 1]
+        spline = BSpline(metres, levels, _CUBIC)
+        heights = metres[_CUBIC : _CUBIC + _REGULAR + 1]
+        # a cubic by its Taylor series at its lower end, highest power first
+        powers = [
+            spline(heights[:-1], nu=order) / factorial(order) for order in range(_CUBIC, -1, -1)
+        ]
+        self.pieces, self.heights = np.stack(powers, axis=1), heights
 
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return self._require_margins(altitude, place, _velocity(self, altitude, place))
@@ -111,7 +120,11 @@ def _velocity(wind: HWM14, altitude: Altitude, place: Place) -> Wind:
     piece = xp.clip(xp.searchsorted(heights, altitude, side="right") - 1, 0, heights.size - 2)
     above = altitude - heights[piece]
     powers = xp.stack([above**3, above**2, above, xp.ones_like(above)], axis=-1)
-    season = _season(_TURN * (time / TROPICAL_YEAR + 1.0 / _YEAR_OF_MODEL))
+    angle = _TURN * (time / TROPICAL_YEAR + 1.0 / _YEAR_OF_MODEL)
+    terms = [xp.ones_like(angle)]
+    for harmonic in range(1, _HARMONICS + 1):
+        terms += [xp.cos(harmonic * angle), xp.sin(harmonic * angle)]
+    season = xp.stack(terms, axis=-1)
     local_time = _TURN * (time / _DAY + _NOON) + longitude
     shapes = _shapes(latitude, longitude, local_time)
     # products and sums: JAX's derivative of a contraction needs its switch for double precision
@@ -121,13 +134,6 @@ def _velocity(wind: HWM14, altitude: Altitude, place: Place) -> Wind:
     winds = xp.sum(amplitudes * shapes[..., None], axis=(-4, -3, -2))
     east, north = winds[..., 0], winds[..., 1]
     return Wind(east, north, xp.zeros_like(east))
-
-
-def _season(angle: Array) -> Array:
-    terms = [xp.ones_like(angle)]
-    for harmonic in range(1, _HARMONICS + 1):
-        terms += [xp.cos(harmonic * angle), xp.sin(harmonic * angle)]
-    return xp.stack(terms, axis=-1)
 
 
 def _shapes(latitude: Array, longitude: Array, local_time: Array) -> Array:
@@ -172,18 +178,6 @@ def _harmonics(x: Array, y: Array, order: int) -> tuple[Array, Array]:
     return xp.stack(slopes, axis=-1), xp.stack(quotients, axis=-1)
 
 
-def _pieces(knots: np.ndarray, levels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients of the cubics between the knots, shape (pieces, 4, ...), and the knots [m]."""
-    from scipy.interpolate import BSpline
-
-    metres = _METRES_PER_KILOMETRE * knots[: len(levels) + _CUBIC + 1]
-    spline = BSpline(metres, levels, _CUBIC)
-    heights = metres[_CUBIC : _CUBIC + _REGULAR + 1]
-    # a cubic by its Taylor series at its lower end, highest power first
-    powers = [spline(heights[:-1], nu=order) / factorial(order) for order in range(_CUBIC, -1, -1)]
-    return np.stack(powers, axis=1), heights
-
-
 def _read(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Knots [km] and amplitudes, shape (levels, families, seasons, degrees, 4, 2) [m/s]."""
     try:
@@ -209,8 +203,14 @@ def _amplitudes(values: np.ndarray) -> np.ndarray:
         return list(islice(left, number))
 
     for harmonic in range(_HARMONICS + 1):
-        for degree in range(_DEGREE):
-            _add_zonal(found[0, :, degree, 0], harmonic, take(2 if harmonic == 0 else 4))
+        for degree in range(_DEGREE):  # of the zonal mean
+            if harmonic == 0:
+                a, b = take(2)
+                found[0, 0, degree, 0] = -a, -b
+            else:
+                a, b, c, d = take(4)
+                found[0, 2 * harmonic - 1, degree, 0] = -a, -c
+                found[0, 2 * harmonic, degree, 0] = b, d
     orders = [*range(1, _STATIONARY + 1), *range(1, _MIGRATING + 1)]
     for family, m in enumerate(orders, start=1):
         for harmonic in range(_HARMONICS + 1):
@@ -221,13 +221,3 @@ def _amplitudes(values: np.ndarray) -> np.ndarray:
                     found[family, season, degree, :, 0] = -a, b, -c, -d
                     found[family, season, degree, :, 1] = -c, d, a, b
     return found
-
-
-def _add_zonal(found: np.ndarray, harmonic: int, values: list[float]) -> None:
-    """Amplitudes of the zonal mean at a degree, shape (seasons, 2)."""
-    if harmonic == 0:
-        found[0] = -values[0], -values[1]
-        return
-    cosine, sine = 2 * harmonic - 1, 2 * harmonic
-    found[cosine] = -values[0], -values[2]
-    found[sine] = values[1], values[3]

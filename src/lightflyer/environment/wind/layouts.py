@@ -54,7 +54,31 @@ _EVEN = 1e-3  # degrees, by which meridians and parallels of a grid may bend
 
 def open_parts(path: str | Path) -> list[Any]:
     """Open a NetCDF or GRIB file, or all whose names match a pattern: no field is read yet."""
-    return [part for file in weather_files(path) for part in _open(file)]
+    parts = []
+    for file in weather_files(path):
+        is_grib = file.lower().endswith(_GRIB)
+        if is_grib:
+            extra("cfgrib", f"{file}: GRIB", "grib")
+        found = []
+        try:
+            for dataset in _open_grib(file) if is_grib else [_open_netcdf(file)]:
+                part = _with_our_names(dataset)
+                wanted = [name for name in _VARIABLES if name in part.data_vars]
+                part = part[wanted] if wanted else part  # no other is read from the disk
+                part.set_close(dataset.close)
+                found.append(part)
+        except ConfigurationError:
+            raise
+        except (OSError, ValueError, EOFError) as error:
+            damaged = Path(file).is_file() and read_content(Path(file)).startswith(_NETCDF)
+            unknown = "is damaged or cut short" if damaged else "xarray knows no way to open it"
+            reason = getattr(error, "strerror", None) or unknown
+            kind = "GRIB" if is_grib else "NetCDF"
+            raise ConfigurationError(f"{file}: cannot be read as {kind}: {reason}") from None
+        if not found:
+            raise ConfigurationError(f"{file}: has no u and v on pressure levels")
+        parts += found
+    return parts
 
 
 def load_parts(path: str | Path, parts: list[Any]) -> Any:
@@ -82,26 +106,6 @@ def weather_files(path: str | Path) -> list[str]:
     found = sorted(name for name in glob.glob(text) if not name.endswith(_INDEX))
     if not found:
         raise ConfigurationError(f"{path}: no file has such a name")
-    return found
-
-
-def _open(path: str) -> list[Any]:
-    is_grib = path.lower().endswith(_GRIB)
-    if is_grib:
-        extra("cfgrib", f"{path}: GRIB", "grib")
-    try:
-        datasets = _open_grib(path) if is_grib else [_open_netcdf(path)]
-        found = [_of_interest(dataset) for dataset in datasets]
-    except ConfigurationError:
-        raise
-    except (OSError, ValueError, EOFError) as error:
-        damaged = Path(path).is_file() and read_content(Path(path)).startswith(_NETCDF)
-        unknown = "is damaged or cut short" if damaged else "xarray knows no way to open it"
-        reason = getattr(error, "strerror", None) or unknown
-        kind = "GRIB" if is_grib else "NetCDF"
-        raise ConfigurationError(f"{path}: cannot be read as {kind}: {reason}") from None
-    if not found:
-        raise ConfigurationError(f"{path}: has no u and v on pressure levels")
     return found
 
 
@@ -149,15 +153,6 @@ def _open_grib(path: str) -> list[Any]:
     return [part[in_all] for part in found]
 
 
-def _of_interest(dataset: Any) -> Any:
-    """With our names, and only what is to be read from the disk."""
-    found = _with_our_names(dataset)
-    wanted = [name for name in _VARIABLES if name in found.data_vars]
-    found = found[wanted] if wanted else found
-    found.set_close(dataset.close)
-    return found
-
-
 def in_one_layout(dataset: Any) -> Any:
     """A dataset with our names, and without dimensions that say nothing."""
     if not hasattr(dataset, "data_vars"):
@@ -178,7 +173,21 @@ def _with_our_names(dataset: Any) -> Any:
     known |= {
         name: "time" for name in map(str, found.dims) if re.fullmatch(r"time\d+", name.lower())
     }
-    return _at_valid_times(_renamed(found, known))
+    # times for which a forecast holds, and no dimension of one entry but those of the grid
+    found = _renamed(found, known)
+    valid = "valid_time"
+    single = [
+        name for name in found.dims if found.sizes[name] == 1
+        and name not in ("latitude", "longitude", "pressure", "altitude", "height", valid)
+        and not (name == "time" and "step" not in found.dims)
+    ]  # fmt: skip
+    found = found.squeeze(single, drop=False)
+    if valid in found.coords and valid not in found.dims and found[valid].ndim == 1:
+        own = str(found[valid].dims[0])
+        found = found.drop_vars("time", errors="ignore") if own != "time" else found
+        found = found.swap_dims({own: valid}).drop_vars(own, errors="ignore")
+        found = found.rename({valid: "time"})
+    return found.drop_vars([name for name in found.coords if not found[name].ndim], errors="ignore")
 
 
 def _renamed(dataset: Any, names: Mapping[str, str]) -> Any:
@@ -269,21 +278,3 @@ def merge_versions(dataset: Any) -> Any:
 def one_version(dataset: Any) -> Any:
     """The first version of ERA5, whose layout is that of all."""
     return dataset.isel({_VERSION: 0}, missing_dims="ignore")
-
-
-def _at_valid_times(dataset: Any) -> Any:
-    """Times for which a forecast holds, and no dimension of one entry but those of the grid."""
-    found = dataset
-    valid = "valid_time"
-    single = [
-        name for name in found.dims if found.sizes[name] == 1
-        and name not in ("latitude", "longitude", "pressure", "altitude", "height", valid)
-        and not (name == "time" and "step" not in found.dims)
-    ]  # fmt: skip
-    found = found.squeeze(single, drop=False)
-    if valid in found.coords and valid not in found.dims and found[valid].ndim == 1:
-        own = str(found[valid].dims[0])
-        found = found.drop_vars("time", errors="ignore") if own != "time" else found
-        found = found.swap_dims({own: valid}).drop_vars(own, errors="ignore")
-        found = found.rename({valid: "time"})
-    return found.drop_vars([name for name in found.coords if not found[name].ndim], errors="ignore")

@@ -152,7 +152,8 @@ class WindStore:
         )
         middle = 0.5 * (axes[2][0] + axes[2][-1])
         if self.around and window is not None:
-            middle = np.mean(_turned(axes[2], window[2]))
+            turns, nodes = np.divmod(window[2], axes[2].size)
+            middle = np.mean(axes[2][nodes] + turns * _TURN)
         elif self.around and longitude.size:
             middle = longitude[0]
         where = [time, latitude, next_to(middle, longitude)]
@@ -325,9 +326,3 @@ def _rows_of(own: np.ndarray, wanted: np.ndarray) -> Any:
         return None
     is_slice = rows[-1] - rows[0] + 1 == rows.size
     return slice(int(rows[0]), int(rows[-1]) + 1) if is_slice else rows
-
-
-def _turned(longitude: np.ndarray, nodes: range) -> np.ndarray:
-    """Longitudes of nodes, which go on beyond the last [rad]."""
-    index = np.asarray(nodes)
-    return np.asarray(longitude[index % longitude.size] + index // longitude.size * _TURN)

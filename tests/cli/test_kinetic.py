@@ -63,7 +63,7 @@ def test_table_of_a_hot_disk(prints, monkeypatch):
 
 
 def test_a_folder_that_cannot_be_written_is_found_before_solving(refuses, tmp_path, monkeypatch):
-    monkeypatch.setattr(solver, "_case", None)  # any solution would fail on it
+    monkeypatch.setattr(solver, "_molecule", None)  # any solution would fail on it
     (tmp_path / "file").write_text("")
     assert "cannot be written" in refuses(*CASE, "--out", tmp_path / "file")
 

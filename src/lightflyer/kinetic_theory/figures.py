@@ -10,7 +10,6 @@ from lightflyer.files.drawing import figure_for, outline_effects
 from lightflyer.files.palette import SKY
 
 if TYPE_CHECKING:
-    from lightflyer.kinetic_theory.chamber.enclosure import Chamber
     from lightflyer.kinetic_theory.chamber.solution import ChamberSolution
     from lightflyer.kinetic_theory.solver import Solution
 
@@ -49,7 +48,15 @@ def draw_flow(solution: "Solution | ChamberSolution", ax: Axes, extent: float = 
     ax.set_xlim(-side, side)
     ax.set_ylim(low, high)
     if chamber is not None:
-        _draw_walls(chamber, ax)
+        bottom, top, wall = -chamber.floor.distance, chamber.lid.distance, chamber.side.distance
+        for surface, across, along in (
+            (chamber.floor, [-wall, wall], [bottom, bottom]),
+            (chamber.lid, [-wall, wall], [top, top]),
+            (chamber.side, [-wall, -wall], [bottom, top]),
+            (chamber.side, [wall, wall], [bottom, top]),
+        ):
+            style = "-" if surface.solid else "--"
+            ax.plot(across, along, color="black", linewidth=5.0, linestyle=style)
     ax.set_xlabel("distance from the axis [disk radii]")
     ax.set_ylabel("height [disk radii]")
     words = solution.title.replace("T_h/T_c", "$T_h/T_c$")
@@ -58,18 +65,6 @@ def draw_flow(solution: "Solution | ChamberSolution", ax: Axes, extent: float = 
     place = f"\nfloor {place}" if at else ""
     ax.set_title(f"{first} walls\n{second}{place}", fontsize="medium")
     return ax
-
-
-def _draw_walls(chamber: "Chamber", ax: Axes) -> None:
-    """Draw floor, lid and side wall of a chamber: solid ones full, reservoirs dashed."""
-    bottom, top, side = -chamber.floor.distance, chamber.lid.distance, chamber.side.distance
-    for surface, x, y in (
-        (chamber.floor, [-side, side], [bottom, bottom]),
-        (chamber.lid, [-side, side], [top, top]),
-        (chamber.side, [-side, -side], [bottom, top]),
-        (chamber.side, [side, side], [bottom, top]),
-    ):
-        ax.plot(x, y, color="black", linewidth=5.0, linestyle="-" if surface.solid else "--")
 
 
 def flow_figure(solution: "Solution | ChamberSolution", ax: Axes | None = None) -> Figure:

@@ -88,6 +88,12 @@ class Solution(ShortRepr):
             if case.linear
             else {"temperature_ratio": [top, bottom]}
         )
+        collisions: dict[str, Any] = {"collisions": "shakhov"}
+        if case.molecule is not None:
+            exponent = case.molecule.viscosity_exponent
+            collisions = {"collisions": "vhs", "viscosity_exponent": exponent}
+            if case.molecule.rotates:
+                collisions["collision_number"] = 1.0 / case.molecule.exchange
         return {
             "knudsen": self.knudsen,
             "tac_top": case.tac[0],
@@ -98,7 +104,7 @@ class Solution(ShortRepr):
             "wall": case.wall_name,
             **describe_faces(case.scattering),
             "boundary": self.boundary if np.isfinite(self.boundary) else None,
-            **_describe(case.molecule),
+            **collisions,
         }
 
     @property
@@ -237,21 +243,47 @@ def solve(
     >>> round(solution.force_ratio, 3), round(solution.heat_ratio, 3)
     (0.794, 0.934)
     """
-    case = _case(
-        knudsen,
-        (tac_top, tac_bottom),
-        (top_temperature, bottom_temperature),
-        temperature_ratio,
-        open_fraction,
-        gas,
-        wall,
-        tangential_accommodation,
-        rotational_accommodation,
-        boundary,
+    tac, stated = (tac_top, tac_bottom), (tangential_accommodation, rotational_accommodation)
+    require_range("knudsen", knudsen, *KNUDSEN_RANGE)
+    for name, value in zip(("tac_top", "tac_bottom"), tac, strict=True):
+        require_range(name, value, 0.0, 1.0, open_below=True)
+    require_range("open_fraction", open_fraction, 0.0, HIGHEST_OPEN_FRACTION)
+    if boundary is not None:
+        require_range("boundary", boundary, SMALLEST_BOUNDARY)
+        furthest = furthest_boundary(knudsen)
+        if boundary > furthest:
+            raise ParameterError(
+                f"boundary = {boundary:g} exceeds {furthest:.3g}, the largest resolved at "
+                f"knudsen = {knudsen:g}; omit it: the effect of a reservoir falls as 1/boundary"
+            )
+    model = gas_model(gas)
+    linear = temperature_ratio is None
+    known, scattering = walls_of(wall, tac, *stated, rotates=model.has_rotation)
+    if temperature_ratio is None:
+        temperature = top_temperature, bottom_temperature
+        require_range("top_temperature", top_temperature)
+        require_range("bottom_temperature", bottom_temperature)
+    else:
+        top, bottom = np.broadcast_to(temperature_ratio, 2)
+        temperature = float(top), float(bottom)
+        require_range("temperature_ratio", temperature, *TEMPERATURE_RATIOS)
+    if all(value == (0.0 if linear else 1.0) for value in temperature):
+        raise ParameterError("both faces are at the gas temperature: force and heat are zero")
+    extra("numba", "the kinetic solver", "kinetic")
+    from lightflyer.kinetic_theory.disk.cases import SMALLEST_ERROR, Case, meshes, solve_case
+
+    case = Case(
+        rarefaction=float(np.sqrt(np.pi) / (4.0 * knudsen)),
+        tac=(float(tac[0]), float(tac[1])),
+        temperature=(float(temperature[0]), float(temperature[1])),
+        linear=linear,
+        gas=model,
+        boundary=np.inf if boundary is None else float(boundary),
+        open_fraction=float(open_fraction),
+        wall=known,
+        scattering=scattering,
     )
     molecule = _molecule(case, collisions, viscosity_exponent, collision_number)
-    from lightflyer.kinetic_theory.disk.cases import SMALLEST_ERROR, meshes, solve_case
-
     began = time.perf_counter()
     report("solving the kinetic equation (compiled once, at its first use)")
     if molecule is None:
@@ -276,54 +308,6 @@ def solve(
         heat=fine.heat,
         _case=case,
         _outcome=fine,
-    )
-
-
-def _case(
-    knudsen: float,
-    tac: tuple[float, float],
-    perturbation: tuple[float, float],
-    temperature_ratio: float | tuple[float, float] | None,
-    open_fraction: float,
-    gas: str,
-    wall: str,
-    tangential: float | tuple[float, float] | None,
-    rotational: float | tuple[float, float] | None,
-    boundary: float | None,
-) -> "Case":
-    require_range("knudsen", knudsen, *KNUDSEN_RANGE)
-    for name, value in zip(("tac_top", "tac_bottom"), tac, strict=True):
-        require_range(name, value, 0.0, 1.0, open_below=True)
-    require_range("open_fraction", open_fraction, 0.0, HIGHEST_OPEN_FRACTION)
-    if boundary is not None:
-        require_range("boundary", boundary, SMALLEST_BOUNDARY)
-        _require_resolved(knudsen, boundary)
-    model = gas_model(gas)
-    linear = temperature_ratio is None
-    known, scattering = walls_of(wall, tac, tangential, rotational, rotates=model.has_rotation)
-    if temperature_ratio is None:
-        require_range("top_temperature", perturbation[0])
-        require_range("bottom_temperature", perturbation[1])
-        temperature = perturbation
-    else:
-        top, bottom = np.broadcast_to(temperature_ratio, 2)
-        temperature = float(top), float(bottom)
-        require_range("temperature_ratio", temperature, *TEMPERATURE_RATIOS)
-    if all(value == (0.0 if linear else 1.0) for value in temperature):
-        raise ParameterError("both faces are at the gas temperature: force and heat are zero")
-    extra("numba", "the kinetic solver", "kinetic")
-    from lightflyer.kinetic_theory.disk.cases import Case
-
-    return Case(
-        rarefaction=float(np.sqrt(np.pi) / (4.0 * knudsen)),
-        tac=(float(tac[0]), float(tac[1])),
-        temperature=(float(temperature[0]), float(temperature[1])),
-        linear=linear,
-        gas=model,
-        boundary=np.inf if boundary is None else float(boundary),
-        open_fraction=float(open_fraction),
-        wall=known,
-        scattering=scattering,
     )
 
 
@@ -368,15 +352,6 @@ def furthest_boundary(knudsen: float) -> float:
     return FURTHEST_DEPTH * 4.0 * knudsen / float(np.sqrt(np.pi))
 
 
-def _require_resolved(knudsen: float, boundary: float) -> None:
-    furthest = furthest_boundary(knudsen)
-    if boundary > furthest:
-        raise ParameterError(
-            f"boundary = {boundary:g} exceeds {furthest:.3g}, the largest resolved at knudsen = "
-            f"{knudsen:g}; omit it: the effect of a reservoir falls as 1/boundary"
-        )
-
-
 def describe_faces(faces: "tuple[Accommodation, ...] | None") -> dict[str, Any]:
     """Arguments that state faces of Cercignani and Lampis."""
     if faces is None:
@@ -386,15 +361,6 @@ def describe_faces(faces: "tuple[Accommodation, ...] | None") -> dict[str, Any]:
         "tangential_accommodation": tangential,
         "rotational_accommodation": rotational,
     }
-
-
-def _describe(molecule: "Molecule | None") -> dict[str, Any]:
-    if molecule is None:
-        return {"collisions": "shakhov"}
-    described = {"collisions": "vhs", "viscosity_exponent": molecule.viscosity_exponent}
-    if molecule.rotates:
-        described["collision_number"] = 1.0 / molecule.exchange
-    return described
 
 
 def ratios(

@@ -67,24 +67,14 @@ def walls_of(
     rotates: bool,
 ) -> tuple[Wall, tuple[Accommodation, Accommodation] | None]:
     """Walls, and both faces where they are of Cercignani and Lampis."""
-    if wall == CERCIGNANI_LAMPIS:
-        return "accommodated", _accommodations(tacs, tangential, rotational, rotates)
-    known = require_wall(wall)
-    if tangential is not None or rotational is not None:
-        raise ParameterError(
-            "tangential_accommodation and rotational_accommodation belong to "
-            f'wall = "{CERCIGNANI_LAMPIS}"'
-        )
-    return known, None
-
-
-def _accommodations(
-    tacs: tuple[float, float],
-    tangential: float | tuple[float, float] | None,
-    rotational: float | tuple[float, float] | None,
-    rotates: bool,
-) -> tuple[Accommodation, Accommodation]:
-    """Faces of given TACs, top and bottom; what is not given accommodates as the TACs say."""
+    if wall != CERCIGNANI_LAMPIS:
+        known = require_wall(wall)
+        if tangential is not None or rotational is not None:
+            raise ParameterError(
+                "tangential_accommodation and rotational_accommodation belong to "
+                f'wall = "{CERCIGNANI_LAMPIS}"'
+            )
+        return known, None
     by_face = []
     pairs = (
         (None, None) if value is None else np.broadcast_to(value, 2)
@@ -96,6 +86,7 @@ def _accommodations(
                 require_range(f"{name}_accommodation", float(value), 0.0, 1.0)
         if turning is not None and not rotates:
             raise ParameterError('rotational_accommodation belongs to gas = "diatomic"')
+        # what is not given accommodates as the TAC says
         momentum = 1.0 - np.sqrt(1.0 - tac) if along is None else along
         rotation = tac if turning is None else turning
         normal = normal_accommodation(tac, momentum, rotation if rotates else None)
@@ -108,7 +99,7 @@ def _accommodations(
         by_face.append(
             Accommodation(float(np.clip(normal, 0.0, 1.0)), float(momentum), float(rotation))
         )
-    return by_face[0], by_face[1]
+    return "accommodated", (by_face[0], by_face[1])
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ temperatures of the hot gas where that is dense, preconditions Anderson's iterat
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -117,11 +116,6 @@ class HotChamber:
         )
         return out
 
-    @cached_property
-    def _scales(self) -> tuple[np.ndarray, ...]:
-        """By what a gas of uniform density arrives at the walls, of the linear problem."""
-        return self.system.wall_scales
-
     def evaluate(self, x: np.ndarray) -> tuple[np.ndarray, Arrivals]:
         """What is missing to a solution in each equation, and fluxes at all walls."""
         system, layout = self.system, self.system.layout
@@ -139,51 +133,36 @@ class HotChamber:
             found += system.uniform_correction(sent[0], half)
             missing[layout.gas(half)] = (found - sent[0]).ravel()
             at_walls = self._run(system.halves[half].rim_points, True, half, sent)
-            at_walls[:, :3] *= self._scales[half]
-            self._miss_walls(missing, x, half, at_walls)
+            # by what a gas of uniform density arrives at the walls, of the linear problem
+            at_walls[:, :3] *= system.wall_scales[half]
+            sigma, warmth = x[layout.wall_sigma(half)], x[layout.wall_temperature(half)]
+            new_sigma, new_warmth = np.zeros_like(sigma), np.zeros_like(warmth)
+            for surface, mask in system.surface_masks(half):
+                if surface.solid:
+                    hot, met = 1.0 + surface.temperature, at_walls[mask]
+                    warm = diffuse_emission(met, surface.tac, hot, "accommodated", rotates)[1]
+                    new_sigma[mask] = 2.0 * _SQRT_PI * met[:, NUMBER] + x[layout.leak]
+                    new_warmth[mask] = warm - 1.0
+            missing[layout.wall_sigma(half)] = new_sigma - sigma
+            missing[layout.wall_temperature(half)] = new_warmth - warmth
             faces.append(arriving)
             emitted.append(leaves)
             walls.append(at_walls)
         arrivals = Arrivals(faces, emitted, walls)
-        self._miss_film(missing, x, arrivals)
+        top, bottom = layout.film(0), layout.film(1)
+        if not film.local:
+            missing[top] = film.temperature[0] - x[top]
+            missing[bottom] = film.temperature[1] - x[bottom]
+        else:
+            missing[top] = x[bottom] - x[top]
+            missing[bottom] = x[layout.power] - self.film_loss(x, arrivals)
+            if film.absorbed is not None:
+                missing[layout.power] = film.absorbed - x[layout.power]
+            else:
+                missing[layout.power] = film.temperature[0] - system.weights @ x[top]
         if system.chamber is not None and system.chamber.is_closed:
             missing[layout.leak] = -system.equations[0][layout.leak] @ x
         return missing, arrivals
-
-    def _miss_walls(
-        self, missing: np.ndarray, x: np.ndarray, half: int, arriving: np.ndarray
-    ) -> None:
-        system, layout = self.system, self.system.layout
-        sigma, emitted = x[layout.wall_sigma(half)], x[layout.wall_temperature(half)]
-        new_sigma, new_emitted = np.zeros_like(sigma), np.zeros_like(emitted)
-        for surface, mask in system.surface_masks(half):
-            if not surface.solid:
-                continue
-            warm = diffuse_emission(
-                arriving[mask],
-                surface.tac,
-                1.0 + surface.temperature,
-                "accommodated",
-                system.gas.has_rotation,
-            )[1]
-            new_sigma[mask] = 2.0 * _SQRT_PI * arriving[mask, NUMBER] + x[layout.leak]
-            new_emitted[mask] = warm - 1.0
-        missing[layout.wall_sigma(half)] = new_sigma - sigma
-        missing[layout.wall_temperature(half)] = new_emitted - emitted
-
-    def _miss_film(self, missing: np.ndarray, x: np.ndarray, arrivals: Arrivals) -> None:
-        system, layout, film = self.system, self.system.layout, self.system.film
-        if not film.local:
-            for half in (0, 1):
-                missing[layout.film(half)] = film.temperature[half] - x[layout.film(half)]
-            return
-        top, bottom = layout.film(0), layout.film(1)
-        missing[top] = x[bottom] - x[top]
-        missing[bottom] = x[layout.power] - self.film_loss(x, arrivals)
-        if film.absorbed is not None:
-            missing[layout.power] = film.absorbed - x[layout.power]
-        else:
-            missing[layout.power] = film.temperature[0] - system.weights @ x[top]
 
     def film_loss(self, x: np.ndarray, arrivals: Arrivals) -> np.ndarray:
         """Heat that each spot of the film loses by gas on both sides and radiation, shape (e,)."""
@@ -197,12 +176,10 @@ class HotChamber:
     def precondition_about(self, x: np.ndarray) -> None:
         """Precondition by the equation linearised about the temperatures of given unknowns."""
         system, layout = self.system, self.system.layout
-        face = (
-            1.0
-            + 0.5
-            * float(sum(system.weights @ x[layout.film(half)] for half in (0, 1)))
-            * self._given_share()
-        )
+        # share of the film's excess that its diffuse molecules have without collisions
+        given = 1.0 if system.film.wall == "maxwell" else 0.5 * sum(system.film.tac)
+        mean = float(sum(system.weights @ x[layout.film(half)] for half in (0, 1)))
+        face = 1.0 + 0.5 * mean * given
         state = HalvesState(
             excess=(self._fields(x, 0)[:, 3].copy(), self._fields(x, 1)[:, 3].copy()),
             face=face,
@@ -216,11 +193,6 @@ class HotChamber:
         radiation = system.film.radiation * face**3
         film = replace(system.film, radiation=radiation)
         self.factors = ChamberSystem(about, system.gas, system.chamber, film, face).factors
-
-    def _given_share(self) -> float:
-        """Share of the film's excess that its diffuse molecules have without collisions."""
-        film = self.system.film
-        return 1.0 if film.wall == "maxwell" else 0.5 * sum(film.tac)
 
     def solve(self, start: np.ndarray, tolerance: float) -> tuple[np.ndarray, Arrivals, int]:
         """Iterate until nothing is missing; returns ``x`` (size,), ``arrivals``, ``iterations``."""

@@ -58,9 +58,6 @@ class Chamber(ShortRepr):
         for name, given in zip(SURFACES, (floor, lid, side), strict=True):
             surface = given if isinstance(given, Surface) else Surface(float(given))
             object.__setattr__(self, name, surface)
-        self._check()
-
-    def _check(self) -> None:
         for name, least in zip(SURFACES, (NEAREST, NEAREST, NEAREST_SIDE), strict=True):
             surface = getattr(self, name)
             require_range(name, surface.distance, least)

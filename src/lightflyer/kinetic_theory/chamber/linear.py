@@ -222,17 +222,61 @@ class ChamberSystem:
     @cached_property
     def equations(self) -> tuple[np.ndarray, np.ndarray]:
         """Matrix and right-hand side."""
-        layout = self.layout
+        layout, film = self.layout, self.film
         matrix, right = np.eye(layout.size), np.zeros(layout.size)
         for half in (0, 1):
             rows, place = self.halves[half].gas, layout.gas(half)
             sent = self._functional(rows, half, self.fields)
             matrix[place] -= sent.reshape(-1, layout.size)
             right[place] = self._motion(rows, half, self.fields).ravel()
-            self._face_equations(matrix, right, half)
-            self._wall_equations(matrix, right, half)
-        self._film_equations(matrix, right)
-        self._gauge_equation(matrix)
+            arriving, moved = self.face_arrivals[half]
+            velocity, warm = self._velocity(half), layout.face_temperature(half)
+            factor = 2.0 * _SQRT_PI / np.sqrt(self.face_theta)
+            matrix[layout.sigma(half)] -= factor * arriving[:, NUMBER]
+            # also what a moving face runs into
+            right[layout.sigma(half)] = factor * moved[:, NUMBER] + _SQRT_PI * velocity
+            kept = 0.0 if film.wall == "maxwell" else 1.0 - film.tac[half]
+            matrix[warm, layout.film(half)] -= (1.0 - kept) * np.eye(layout.e)
+            if kept:
+                matrix[warm] -= kept * self._warmth(arriving)
+                run_into = 2.0 * _SQRT_PI / self.energy_modes * 0.25 * velocity
+                right[warm] = kept * (self._warmth(moved) + run_into)
+            arriving, moved = self.wall_arrivals[half]
+            sigma, emitted = layout.wall_sigma(half), layout.wall_temperature(half)
+            for surface, mask in self.surface_masks(half):
+                if surface.solid:
+                    at = np.arange(sigma.start, sigma.stop)[mask]
+                    matrix[at] -= 2.0 * _SQRT_PI * arriving[mask, NUMBER]
+                    matrix[at, layout.leak] -= 1.0
+                    right[at] = 2.0 * _SQRT_PI * moved[mask, NUMBER]
+                    at = np.arange(emitted.start, emitted.stop)[mask]
+                    kept = 1.0 - surface.tac
+                    right[at] = surface.tac * surface.temperature
+                    if kept:
+                        matrix[at] -= kept * self._warmth(arriving)[mask]
+                        right[at] += kept * self._warmth(moved)[mask]
+            if not film.local:
+                right[layout.film(half)] = film.temperature[half]
+        if film.local:
+            top, bottom = layout.film(0), layout.film(1)
+            matrix[top, bottom] -= np.eye(layout.e)
+            lost, moved = self.film_loss
+            matrix[bottom] = lost
+            matrix[bottom, layout.power] -= 1.0
+            right[bottom] = -moved
+            if film.absorbed is not None:
+                right[layout.power] = film.absorbed
+            else:
+                matrix[layout.power, layout.power] = 0.0
+                matrix[layout.power, top] = self.weights
+                right[layout.power] = film.temperature[0]
+        if self.chamber is not None and self.chamber.is_closed:
+            # it has the mean σ of its side wall as its measure of pressure
+            matrix[layout.leak, layout.leak] = 0.0
+            for half in (0, 1):
+                rim, place = self.halves[half].rim, layout.wall_sigma(half)
+                matrix[layout.leak, place] = np.where(rim.is_flat, 0.0, rim.weights)
+            matrix[layout.leak] /= matrix[layout.leak].sum()
         return matrix, right
 
     def _warmth(self, arriving: np.ndarray) -> np.ndarray:
@@ -241,68 +285,6 @@ class ChamberSystem:
         if self.gas.has_rotation:
             energy = energy + arriving[:, TURNING]
         return 2.0 * _SQRT_PI / self.energy_modes * energy
-
-    def _face_equations(self, matrix: np.ndarray, right: np.ndarray, half: int) -> None:
-        layout, velocity = self.layout, self._velocity(half)
-        arriving, moved = self.face_arrivals[half]
-        factor = 2.0 * _SQRT_PI / np.sqrt(self.face_theta)
-        matrix[layout.sigma(half)] -= factor * arriving[:, NUMBER]
-        # also what a moving face runs into
-        right[layout.sigma(half)] = factor * moved[:, NUMBER] + _SQRT_PI * velocity
-        kept = 0.0 if self.film.wall == "maxwell" else 1.0 - self.film.tac[half]
-        matrix[layout.face_temperature(half), layout.film(half)] -= (1.0 - kept) * np.eye(layout.e)
-        if kept:
-            matrix[layout.face_temperature(half)] -= kept * self._warmth(arriving)
-            run_into = 2.0 * _SQRT_PI / self.energy_modes * 0.25 * velocity
-            right[layout.face_temperature(half)] = kept * (self._warmth(moved) + run_into)
-
-    def _wall_equations(self, matrix: np.ndarray, right: np.ndarray, half: int) -> None:
-        layout = self.layout
-        arriving, moved = self.wall_arrivals[half]
-        sigma, emitted = layout.wall_sigma(half), layout.wall_temperature(half)
-        for surface, mask in self.surface_masks(half):
-            if not surface.solid:
-                continue
-            rows = np.arange(sigma.start, sigma.stop)[mask]
-            matrix[rows] -= 2.0 * _SQRT_PI * arriving[mask, NUMBER]
-            matrix[rows, layout.leak] -= 1.0
-            right[rows] = 2.0 * _SQRT_PI * moved[mask, NUMBER]
-            rows = np.arange(emitted.start, emitted.stop)[mask]
-            kept = 1.0 - surface.tac
-            right[rows] = surface.tac * surface.temperature
-            if kept:
-                matrix[rows] -= kept * self._warmth(arriving)[mask]
-                right[rows] += kept * self._warmth(moved)[mask]
-
-    def _film_equations(self, matrix: np.ndarray, right: np.ndarray) -> None:
-        layout, film = self.layout, self.film
-        if not film.local:
-            for half in (0, 1):
-                right[layout.film(half)] = film.temperature[half]
-            return
-        top, bottom = layout.film(0), layout.film(1)
-        matrix[top, bottom] -= np.eye(layout.e)
-        lost, moved = self.film_loss
-        matrix[bottom] = lost
-        matrix[bottom, layout.power] -= 1.0
-        right[bottom] = -moved
-        if film.absorbed is not None:
-            right[layout.power] = film.absorbed
-            return
-        matrix[layout.power, layout.power] = 0.0
-        matrix[layout.power, top] = self.weights
-        right[layout.power] = film.temperature[0]
-
-    def _gauge_equation(self, matrix: np.ndarray) -> None:
-        """A closed chamber has the mean σ of its side wall as its measure of pressure."""
-        layout = self.layout
-        if self.chamber is None or not self.chamber.is_closed:
-            return
-        matrix[layout.leak, layout.leak] = 0.0
-        for half in (0, 1):
-            rim, place = self.halves[half].rim, layout.wall_sigma(half)
-            matrix[layout.leak, place] = np.where(rim.is_flat, 0.0, rim.weights)
-        matrix[layout.leak] /= matrix[layout.leak].sum()
 
     # ------------------------------------------------------------------ results
 
@@ -373,29 +355,21 @@ class ChamberSystem:
     def totals(self, x: np.ndarray) -> "Totals":
         """Forces and heats of all surfaces."""
         pressures, heats = (
-            [self._mean(found(half), x) for half in (0, 1)]
+            [float(self.weights @ (matrix @ x + added)) for matrix, added in map(found, (0, 1))]
             for found in (self.face_pressure, self.face_heat)
         )
         totals = Totals(pressures[1] - pressures[0], (heats[0], heats[1]))
         for half in (0, 1):
-            self.add_walls(totals, half, self._wall_fluxes(x, half))
+            matrix, moved = self.wall_arrivals[half]
+            arriving = matrix @ x + moved
+            sigma, emitted = x[self.layout.wall_sigma(half)], x[self.layout.wall_temperature(half)]
+            heat = (sigma + emitted) / _SQRT_PI - arriving[:, ENERGY]
+            sent = 0.5 * sigma / _SQRT_PI - arriving[:, NUMBER]
+            if self.gas.has_rotation:
+                heat = heat + sent + 0.5 * emitted / _SQRT_PI - arriving[:, TURNING]
+            fluxes = arriving[:, AXIAL], 0.5 * sigma + 0.25 * emitted, heat, sent
+            self.add_walls(totals, half, fluxes)
         return totals
-
-    def _mean(self, found: tuple[np.ndarray, np.ndarray], x: np.ndarray) -> float:
-        """Mean over a face of what follows from unknowns and motion."""
-        matrix, added = found
-        return float(self.weights @ (matrix @ x + added))
-
-    def _wall_fluxes(self, x: np.ndarray, half: int) -> tuple[np.ndarray, ...]:
-        """Axial momentum that arrives at walls, recoil, heat and molecules that leave, (w,)."""
-        matrix, moved = self.wall_arrivals[half]
-        arriving = matrix @ x + moved
-        sigma, emitted = x[self.layout.wall_sigma(half)], x[self.layout.wall_temperature(half)]
-        heat = (sigma + emitted) / _SQRT_PI - arriving[:, ENERGY]
-        sent = 0.5 * sigma / _SQRT_PI - arriving[:, NUMBER]
-        if self.gas.has_rotation:
-            heat = heat + sent + 0.5 * emitted / _SQRT_PI - arriving[:, TURNING]
-        return arriving[:, AXIAL], 0.5 * sigma + 0.25 * emitted, heat, sent
 
     def add_walls(self, totals: "Totals", half: int, fluxes: tuple[np.ndarray, ...]) -> None:
         """Add forces, heats and molecules of the walls of a half to totals, by name."""

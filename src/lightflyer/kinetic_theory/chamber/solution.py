@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.kinetic_theory.chamber.cases import ChamberCase, ChamberOutcome
-    from lightflyer.kinetic_theory.chamber.linear import Totals
 
 Balance = Literal["isothermal", "local"]
 """Each face has one temperature, or each spot of the film that by which it loses the heat that it
@@ -268,68 +267,43 @@ def solve_in_chamber(
     As for :func:`solve`.
     """
     local, linear = require_balance(film, radiation, absorbed), temperature_ratio is None
-    tacs, rotates = (float(tac_top), float(tac_bottom)), gas_model(gas).has_rotation
+    tacs, model = (float(tac_top), float(tac_bottom)), gas_model(gas)
     for name, value in zip(("tac_top", "tac_bottom"), tacs, strict=True):
         require_range(name, value, 0.0, 1.0, open_below=True)
     stated = tangential_accommodation, rotational_accommodation
-    known, scattering = walls_of(wall, tacs, *stated, rotates=rotates)
+    known, scattering = walls_of(wall, tacs, *stated, rotates=model.has_rotation)
     if scattering and linear:
         raise ParameterError(
             f'wall = "{wall}" in a chamber, or with a local heat balance, needs temperature_ratio'
         )
-    case = _chamber_case(
-        knudsen,
-        Film(
-            tacs,
-            _perturbations(top_temperature, bottom_temperature, temperature_ratio, local=local),
-            known,
-            local,
-            float(radiation),
-            absorbed=absorbed,
-            scattering=scattering,
-        ),
-        gas,
-        chamber,
-        linear=linear,
-    )
-    return _solve(case, knudsen)
-
-
-def _perturbations(
-    top: float, bottom: float, ratio: float | tuple[float, float] | None, *, local: bool
-) -> tuple[float, float]:
-    if ratio is None:
-        require_range("top_temperature", top)
-        require_range("bottom_temperature", bottom)
-        pair = float(top), float(bottom)
+    if temperature_ratio is None:
+        require_range("top_temperature", top_temperature)
+        require_range("bottom_temperature", bottom_temperature)
+        pair = float(top_temperature), float(bottom_temperature)
     else:
-        first, second = (float(value) for value in np.broadcast_to(ratio, 2))
+        first, second = (float(value) for value in np.broadcast_to(temperature_ratio, 2))
         require_range("temperature_ratio", (first, second), *TEMPERATURE_RATIOS)
         pair = first - 1.0, second - 1.0
     if local and pair[0] != pair[1]:
         raise ParameterError('film = "local" has one temperature on both sides')
-    return pair
-
-
-def _chamber_case(
-    knudsen: float, film: Film, gas: str, chamber: Chamber | None, *, linear: bool
-) -> "ChamberCase":
     require_range("knudsen", knudsen, *KNUDSEN_RANGE)
-    walls = () if chamber is None else tuple(chamber.surfaces.values())
-    if not any((*film.temperature, *(surface.temperature for surface in walls))):
+    surfaces = {} if chamber is None else chamber.surfaces
+    if not any((*pair, *(surface.temperature for surface in surfaces.values()))):
         raise ParameterError("all surfaces are at the gas temperature: forces and heats are zero")
-    if chamber is not None:
-        for name, surface in chamber.surfaces.items():
-            if surface.distance > furthest_boundary(knudsen):
-                raise ParameterError(
-                    f"{name} = {surface.distance:g} exceeds {furthest_boundary(knudsen):.3g}, the "
-                    f"largest resolved at knudsen = {knudsen:g}"
-                )
-    model = gas_model(gas)
+    for name, surface in surfaces.items():
+        if surface.distance > furthest_boundary(knudsen):
+            raise ParameterError(
+                f"{name} = {surface.distance:g} exceeds {furthest_boundary(knudsen):.3g}, the "
+                f"largest resolved at knudsen = {knudsen:g}"
+            )
     extra("numba", "the kinetic solver", "kinetic")
     from lightflyer.kinetic_theory.chamber.cases import ChamberCase
 
-    return ChamberCase(float(np.sqrt(np.pi) / (4.0 * knudsen)), film, model, chamber, linear)
+    face = Film(
+        tacs, pair, known, local, float(radiation), absorbed=absorbed, scattering=scattering
+    )
+    rarefaction = float(np.sqrt(np.pi) / (4.0 * knudsen))
+    return _solve(ChamberCase(rarefaction, face, model, chamber, linear), knudsen)
 
 
 def _solve(case: "ChamberCase", knudsen: float) -> ChamberSolution:
@@ -340,24 +314,39 @@ def _solve(case: "ChamberCase", knudsen: float) -> ChamberSolution:
     fine, coarse = (solve_chamber_case(case, mesh) for mesh in meshes(linear=case.linear))
     found, other = _results(case, fine), _results(case, coarse)
     errors = {name: difference(found[name], other[name]) for name in _WITH_ERROR}
-    radius = np.linspace(0.0, 1.0, _PROFILE)
+    closure: dict[str, float] = {}
+    said, radius = [], np.linspace(0.0, 1.0, _PROFILE)
+    forces = {"disk": fine.totals.force, **fine.totals.forces}
+    if fine.totals.forces:
+        heats = *fine.totals.heat, *fine.totals.heats.values()
+        closure = {
+            "force": sum(forces.values()) / sum(map(abs, forces.values())),
+            "heat": sum(heats) / sum(map(abs, heats)),
+        }
+    for name in ("force", "heat"):
+        error, value = errors[name], found[name]
+        if error is not None and value is not None and error > _LARGE_ERROR * abs(value):
+            said.append(
+                f"{name} changes by {error:.1e} with the mesh, more than "
+                f"{100.0 * _LARGE_ERROR:g} % of its value"
+            )
     return ChamberSolution(
         knudsen=float(knudsen),
         force_ratio=found["force_ratio"],
         heat_ratio_top=found["heat_ratio_top"],
         heat_ratio_bottom=found["heat_ratio_bottom"],
         heat_ratio=found["heat_ratio"],
-        forces={"disk": fine.totals.force, **fine.totals.forces},
+        forces=forces,
         heats={"disk": sum(fine.totals.heat), **fine.totals.heats},
         error_estimate=errors,
-        closure=_closure(fine.totals),
+        closure=closure,
         imbalance=fine.imbalance if case.film.local else None,
         absorbed=fine.absorbed,
         film_radius=radius,
         film_temperature=fine.film_at(radius),
         iterations=fine.iterations,
         seconds=time.perf_counter() - began,
-        warnings=_warnings(errors, found),
+        warnings=tuple(said),
         _case=case,
         _outcome=fine,
     )
@@ -386,31 +375,6 @@ def _results(case: "ChamberCase", outcome: "ChamberOutcome") -> dict[str, float 
         "force": totals.force,
         "heat": sum(totals.heat),
     }
-
-
-def _closure(totals: "Totals") -> dict[str, float]:
-    if not totals.forces:
-        return {}
-    forces = totals.force, *totals.forces.values()
-    heats = *totals.heat, *totals.heats.values()
-    return {
-        "force": sum(forces) / sum(abs(force) for force in forces),
-        "heat": sum(heats) / sum(abs(heat) for heat in heats),
-    }
-
-
-def _warnings(
-    errors: Mapping[str, float | None], found: Mapping[str, float | None]
-) -> tuple[str, ...]:
-    said = []
-    for name in ("force", "heat"):
-        error, value = errors[name], found[name]
-        if error is not None and value is not None and error > _LARGE_ERROR * abs(value):
-            said.append(
-                f"{name} changes by {error:.1e} with the mesh, more than "
-                f"{100.0 * _LARGE_ERROR:g} % of its value"
-            )
-    return tuple(said)
 
 
 def require_balance(film: str, radiation: float, absorbed: float | None) -> bool:

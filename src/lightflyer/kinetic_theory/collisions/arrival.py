@@ -49,15 +49,6 @@ def harmonics(x, y, z, norms, out):
 
 
 @kernel
-def _gather(fields, source, components, moved, by_power):
-    """Add up the sources at a point in one direction, by power of the speed."""
-    angular, power = components[0], components[1]
-    by_power[:] = 0.0
-    for i in range(angular.size):
-        by_power[1 if i >= moved else 0, power[i]] += source[angular[i]] * fields[i]
-
-
-@kernel
 def _locate(point, direction, s, below, setup, seen, mesh, scratch, by_power):
     """Fill the sources at a point of a ray in its direction, by power of the speed."""
     norms, odd, components, moved = setup[6:10]
@@ -75,7 +66,10 @@ def _locate(point, direction, s, below, setup, seen, mesh, scratch, by_power):
     for c in range(odd.size):
         if odd[c]:
             source[c] *= shrink
-    _gather(fields, source, components, moved, by_power)
+    angular, power = components[0], components[1]
+    by_power[:] = 0.0
+    for i in range(angular.size):
+        by_power[1 if i >= moved else 0, power[i]] += source[angular[i]] * fields[i]
 
 
 @kernel
@@ -88,18 +82,6 @@ def _correct(values, at_start, at_end, span, rule):
             missing -= rule[1, k] * values[k, p]
         for k in range(values.shape[0]):
             values[k, p] += missing
-
-
-@kernel
-def _bring(strength, by_power, values, brought):
-    """Add what the sources at a point bring, by power of the speed."""
-    for kind in range(by_power.shape[0]):
-        for p in range(by_power.shape[1]):
-            weight = strength * by_power[kind, p]
-            if weight == 0.0:
-                continue
-            for q in range(brought.shape[1]):
-                brought[kind, q] += weight * values[1 + p + q]
 
 
 @kernel
@@ -139,7 +121,15 @@ def _ray(point, direction, on_face, rarefaction, setup, mesh, half, scratch, cut
         if not on_face:
             _correct(values, at_start, at_end, end - depth, rule)
         for k in range(rule.shape[1]):
-            _bring(share * (end - depth) * rule[1, k], by_power[k], values[k], brought)
+            sources, of_speed = by_power[k], values[k]
+            strength = share * (end - depth) * rule[1, k]
+            for kind in range(sources.shape[0]):
+                for p in range(sources.shape[1]):
+                    weight = strength * sources[kind, p]
+                    if weight == 0.0:
+                        continue
+                    for q in range(brought.shape[1]):
+                        brought[kind, q] += weight * of_speed[1 + p + q]
         depth = end
 
 

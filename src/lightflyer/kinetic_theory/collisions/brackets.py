@@ -91,7 +91,13 @@ def gain_bracket(
     molecule: Molecule, degree: int, powers: Powers, turning: Powers = ()
 ) -> np.ndarray:
     """⟨g^γ φ (φ' + φ₁')⟩ of a molecule before and both after a collision, shape (m, m)."""
-    elastic = _elastic(molecule, degree, powers)
+    angle, weight = _angles()
+    means, gamma = angular_mean(degree, powers, angle), molecule.speed_power
+    # 2 G = R cos t, g = R sin t; weights are exp(−R²/2)
+    shape = weight * np.cos(angle) ** 2 * np.sin(angle) ** (2.0 + gamma)
+    exponent = 0.5 * (6.0 + gamma + np.add.outer(powers, powers))
+    scale = (2.0 / np.pi) * 0.5 * 2.0**exponent * gamma_function(exponent)
+    elastic = scale * ((means * shape) @ means.T)
     size, turned = len(powers), len(turning)
     found = np.zeros((size + turned, size + turned))
     if not molecule.rotates:
@@ -102,7 +108,10 @@ def gain_bracket(
     found[:size, :size] = 2.0 * none * elastic
     found[size:, size:] = none * elastic[:turned, :turned]
     if molecule.exchange:
-        inelastic = _with_exchange(molecule, degree, powers)
+        chance, after = molecule.exchange, _Means(degree, powers)
+        one = _one_exchange(_Collisions(molecule, 16, _RADII, _ENERGIES), after)
+        both = _two_exchanges(_Collisions(molecule, 8, 12, 4), after)
+        inelastic = chance * (1.0 - chance) * one + chance**2 * both
         slots = [(k, i) for k, count in enumerate((size, turned)) for i in range(count)]
         k, i = np.transpose(slots)
         found += inelastic[k[:, None], i[:, None], k, i]
@@ -140,26 +149,6 @@ def angular_mean(degree: int, powers: Powers, angle: np.ndarray) -> np.ndarray:
     measure = 0.5 * weights[:, None] * (high - low) * 2.0 * u * speed / (centre * relative)
     angular = 0.5 * measure * _legendre(degree, np.clip(cosine, -1.0, 1.0))
     return np.stack([np.sum(angular * speed**p, axis=0) for p in powers])
-
-
-def _elastic(molecule: Molecule, degree: int, powers: Powers) -> np.ndarray:
-    angle, weight = _angles()
-    means = angular_mean(degree, powers, angle)
-    gamma = molecule.speed_power
-    # 2 G = R cos t, g = R sin t; weights are exp(−R²/2)
-    shape = weight * np.cos(angle) ** 2 * np.sin(angle) ** (2.0 + gamma)
-    total = np.add.outer(powers, powers)
-    exponent = 0.5 * (6.0 + gamma + total)
-    scale = (2.0 / np.pi) * 0.5 * 2.0**exponent * gamma_function(exponent)
-    return np.asarray(scale * ((means * shape) @ means.T))
-
-
-def _with_exchange(molecule: Molecule, degree: int, powers: Powers) -> np.ndarray:
-    """Gain of collisions in which one or both exchange energy, shape (2, powers, 2, powers)."""
-    chance, after = molecule.exchange, _Means(degree, powers)
-    one = _one_exchange(_Collisions(molecule, 16, _RADII, _ENERGIES), after)
-    both = _two_exchanges(_Collisions(molecule, 8, 12, 4), after)
-    return chance * (1.0 - chance) * one + chance**2 * both
 
 
 class _Means:

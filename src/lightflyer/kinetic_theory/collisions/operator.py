@@ -240,10 +240,7 @@ class _WallLayer:
         if degree == 1:  # momentum is free, and there is none
             momentum = self._function(1, 1)
             gas = gas - 4.0 / 3.0 * np.sum(momentum * gas * self.weight) * momentum
-        return self._solve(-gas)
-
-    def _solve(self, emitted: np.ndarray) -> float:
-        """Far velocity of what a wall emits into a gas that is at rest without it."""
+        emitted = -gas  # by the wall, into a gas that is at rest without it
         m, n = self.parity.size, self.left.shape[-1]
         weighted = self.functions * self.weight * self.frequency
         products = np.einsum("isv,jsv->ijsv", weighted, self.functions).reshape(m * m, -1)
@@ -271,7 +268,11 @@ def _paths(rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     widths = np.concatenate([inner, inner[::-1]])  # the same from both ends
     widths *= _DEPTH / widths.sum()
     nodes = panel_nodes(_ORDER, lower=True, upper=True)
-    slopes = _derivatives(nodes)[1:]
+    # values at nodes to derivatives there, but at the first
+    powers = np.arange(nodes.size)
+    values = nodes[:, None] ** powers
+    derived = powers * nodes[:, None] ** np.maximum(powers - 1, 0)
+    slopes = np.linalg.solve(values.T, derived.T).T[1:]
     n = _PANELS * (_ORDER - 1) + 1
     paths, left = np.zeros((*rate.shape, n, n)), np.ones((*rate.shape, n))
     for panel, width in enumerate(widths):
@@ -284,11 +285,3 @@ def _paths(rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         paths[..., here, here] += depth * inverse
         left[..., here] = passed * left[..., start : start + 1]
     return paths, left
-
-
-def _derivatives(nodes: np.ndarray) -> np.ndarray:
-    """Matrix that takes values at nodes to derivatives there."""
-    powers = np.arange(nodes.size)
-    values = nodes[:, None] ** powers
-    slopes = powers * nodes[:, None] ** np.maximum(powers - 1, 0)
-    return np.asarray(np.linalg.solve(values.T, slopes.T).T)

@@ -238,7 +238,17 @@ class MolecularProblem:
         """Moments that follow from given ones and the walls."""
         sources, result = self._sources(fields), np.empty(self.size)
         for face in (0, 1):
-            half = self._half(sources, walls, face, self.arriving_fluxes(sources, face))
+            arriving = self.arriving_fluxes(sources, face)
+            tac = walls.tac[face]
+            velocity = walls.velocity * (1.0 if face == 0 else -1.0)
+            diffuse = self.model.diffuse_share(tac)
+            temperature = self.model.emitted_temperature(
+                tac, walls.temperature[face], velocity, arriving
+            )
+            density = np.sqrt(np.pi) * (2.0 * arriving[:, 0] + velocity)
+            shares = np.array([diffuse, 1.0 - diffuse])
+            moved = (4.0 - 2.0 * diffuse) * velocity
+            half = sources[face], sources[1 - face], shares, density, temperature, moved
             arrival.evaluate(self.nodes, False, *self.arguments, half, result[face])
         return result @ self.components.orthonormal.T
 
@@ -298,20 +308,6 @@ class MolecularProblem:
         ]
         functions = components.orthonormal @ components.weights[:, few]
         return functions @ np.linalg.inv(self._readings @ functions)
-
-    def _half(
-        self, sources: np.ndarray, walls: FaceWalls, face: int, arriving: np.ndarray
-    ) -> tuple:
-        tac = walls.tac[face]
-        velocity = walls.velocity * (1.0 if face == 0 else -1.0)
-        diffuse = self.model.diffuse_share(tac)
-        temperature = self.model.emitted_temperature(
-            tac, walls.temperature[face], velocity, arriving
-        )
-        density = np.sqrt(np.pi) * (2.0 * arriving[:, 0] + velocity)
-        shares = np.array([diffuse, 1.0 - diffuse])
-        moved = (4.0 - 2.0 * diffuse) * velocity
-        return sources[face], sources[1 - face], shares, density, temperature, moved
 
 
 _COARSER = Resolution(3, 0.7, Quadrature(3, 3, 3))

@@ -115,12 +115,27 @@ class LinearSystem(FieldEquations):
         # Maxwell's X₁ replaces specular by diffuse reflection. Where all molecules are
         # accommodated, X₀ replaces it by a diffuse one that keeps number and energy, and X₁ takes
         # the energy away.
-        diffuse = self._diffuse_instead()
+        operators, theta = self.operators, self.operators.face_theta
+        translation, rotation = self._sources()
+        sigma = 2.0 * _SQRT_PI / np.sqrt(theta) * operators.fluxes[..., 0]
+        rows = -operators.reflected.reshape(self.n, self.n, 6, 6)
+        matrix = self._matrix(rows).reshape(self.n, self.fields, self.n, self.fields)
+        # diffuse reflection has the gas's temperature
+        matrix[:, :6] += np.einsum(
+            "iem,ejs,sf->imjf", operators.sigma, sigma, translation, optimize=True
+        )
+        diffuse = matrix.reshape(self.size, self.size)
         if self.wall == "maxwell":
             return None, diffuse
-        energy = np.einsum(
-            "iem,ejf->imjf", self._warmth, self._arriving_temperature(), optimize=True
-        )
+        # temperature of the molecules that arrive at the face, by fields, shape (e, n, fields)
+        fluxes = operators.fluxes[..., 2] - 2.0 * theta * operators.fluxes[..., 0]
+        arriving = fluxes @ translation
+        if self.gas.has_rotation:
+            turning = operators.fluxes[..., :3, 0].copy()
+            turning[..., 1:] *= operators.theta[:, None]
+            arriving += turning @ rotation
+        arriving = 2.0 * _SQRT_PI * np.sqrt(theta) / self._energy_modes * arriving
+        energy = np.einsum("iem,ejf->imjf", self._warmth, arriving, optimize=True)
         energy = energy.reshape(self.size, self.size)
         return diffuse + energy, -energy
 
@@ -141,18 +156,6 @@ class LinearSystem(FieldEquations):
         """Energy per arriving molecule [kT]."""
         return 3.0 if self.gas.has_rotation else 2.0
 
-    def _arriving_temperature(self) -> np.ndarray:
-        """Temperature of the molecules that arrive at the face, by fields, shape (e, n, fields)."""
-        operators, theta = self.operators, self.operators.face_theta
-        translation, rotation = self._sources()
-        fluxes = operators.fluxes[..., 2] - 2.0 * theta * operators.fluxes[..., 0]
-        arriving = fluxes @ translation
-        if self.gas.has_rotation:
-            turning = operators.fluxes[..., :3, 0].copy()
-            turning[..., 1:] *= operators.theta[:, None]
-            arriving += turning @ rotation
-        return 2.0 * _SQRT_PI * np.sqrt(theta) / self._energy_modes * arriving
-
     def emitted_temperature(
         self, tac: float, temperature: float, velocity: float, arriving: np.ndarray
     ) -> np.ndarray:
@@ -167,18 +170,6 @@ class LinearSystem(FieldEquations):
     def diffuse_share(self, tac: float) -> float:
         """Share of the molecules meeting a face that leaves it diffusely [1]."""
         return tac if self.wall == "maxwell" else 1.0
-
-    def _diffuse_instead(self) -> np.ndarray:
-        """Diffuse minus specular reflection, the former with the gas's temperature."""
-        operators = self.operators
-        sigma = 2.0 * _SQRT_PI / np.sqrt(operators.face_theta) * operators.fluxes[..., 0]
-        rows = -operators.reflected.reshape(self.n, self.n, 6, 6)
-        matrix = self._matrix(rows).reshape(self.n, self.fields, self.n, self.fields)
-        diffuse = np.einsum(
-            "iem,ejs,sf->imjf", operators.sigma, sigma, self._sources()[0], optimize=True
-        )
-        matrix[:, :6] += diffuse
-        return matrix.reshape(self.size, self.size)
 
     def _emission(self, temperature: float, velocity: float, tac: float) -> np.ndarray:
         """Emission of a solid face by its temperature and velocity, shape (n · fields,)."""

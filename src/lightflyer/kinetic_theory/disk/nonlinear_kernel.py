@@ -236,35 +236,6 @@ def _add_emission(brought, emission, depth, setup, hot, cold):
 
 
 @kernel
-def _add_fluxes(w, normal, z, brought, out):
-    """Add what one ray brings to a wall."""
-    # number, normal momentum, energy, rotational energy, axial momentum, energy of normal motion
-    out[0] += w * normal * brought[1]
-    out[1] += w * normal * normal * brought[2]
-    out[2] += w * normal * brought[3]
-    out[3] += w * normal * brought[5]
-    out[4] += w * normal * z * brought[2]
-    out[5] += w * normal**3 * brought[3]
-
-
-@kernel
-def _add_moments(w, x, z, brought, out):
-    """Add the raw moments of one ray at a node."""
-    out[0] += w * brought[0]
-    out[1] += w * x * brought[1]
-    out[2] += w * z * brought[1]
-    out[3] += w * brought[2]
-    out[4] += w * x * brought[3]
-    out[5] += w * z * brought[3]
-    out[6] += w * brought[4]
-    out[7] += w * x * brought[5]
-    out[8] += w * z * brought[5]
-    out[9] += w * x * x * brought[2]
-    out[10] += w * x * z * brought[2]
-    out[11] += w * z * z * brought[2]
-
-
-@kernel
 def _collect(point, on_face, rarefaction, setup, meshes, gas, half, out):
     """Raw moments at a node, or fluxes at a face, summed over all directions."""
     layer, gauss_height, gauss_azimuth = setup[:3]
@@ -280,9 +251,26 @@ def _collect(point, on_face, rarefaction, setup, meshes, gas, half, out):
         _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
         w, x, z = NORMALISATION * direction[3], -direction[0], -direction[2]
         if on_face:
-            _add_fluxes(w, normal, z, brought, out)
+            # number, normal momentum, energy; of rotation; axial momentum, energy of normal motion
+            out[0] += w * normal * brought[1]
+            out[1] += w * normal * normal * brought[2]
+            out[2] += w * normal * brought[3]
+            out[3] += w * normal * brought[5]
+            out[4] += w * normal * z * brought[2]
+            out[5] += w * normal**3 * brought[3]
         else:
-            _add_moments(w, x, z, brought, out)
+            out[0] += w * brought[0]
+            out[1] += w * x * brought[1]
+            out[2] += w * z * brought[1]
+            out[3] += w * brought[2]
+            out[4] += w * x * brought[3]
+            out[5] += w * z * brought[3]
+            out[6] += w * brought[4]
+            out[7] += w * x * brought[5]
+            out[8] += w * z * brought[5]
+            out[9] += w * x * x * brought[2]
+            out[10] += w * x * z * brought[2]
+            out[11] += w * z * z * brought[2]
 
 
 @kernel

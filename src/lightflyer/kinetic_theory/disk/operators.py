@@ -23,12 +23,16 @@ class Quadrature:
 def kernel_arguments(mesh: Mesh, rarefaction: float, quadrature: Quadrature) -> tuple:
     """Arguments of the compiled kernels: quadratures with tables, and panels."""
     table, scale = spline_table()
+    # weights of the integral from 0 to each Gauss node, from values at the nodes, shape (m, m)
+    nodes, powers = gauss(quadrature.ray)[0][:, None], np.arange(quadrature.ray)
+    integrals = nodes ** (powers + 1) / (powers + 1)
+    partial = np.linalg.solve((nodes**powers).T, integrals.T).T
     setup = (
         min(_LAYER, _LAYER / rarefaction),
         np.array(gauss(quadrature.height)),
         np.array(gauss(quadrature.azimuth)),
         np.array(gauss(quadrature.ray)),
-        _partial_integrals(quadrature.ray),
+        np.ascontiguousarray(partial),
         table,
         scale,
     )
@@ -49,15 +53,6 @@ def _lagrange_bases(nodes: np.ndarray) -> np.ndarray:
     """Nodes and inverse denominators of Lagrange's polynomials, shape (panels, 2, order)."""
     differences = nodes[:, :, None] - nodes[:, None, :] + np.eye(nodes.shape[1])
     return np.stack([nodes, 1.0 / np.prod(differences, axis=2)], axis=1)
-
-
-def _partial_integrals(order: int) -> np.ndarray:
-    """Weights of the integral from 0 to each Gauss node, from values at the nodes, shape (m, m)."""
-    nodes = gauss(order)[0]
-    powers = np.arange(order)
-    vandermonde = nodes[:, None] ** powers
-    integrals = nodes[:, None] ** (powers + 1) / (powers + 1)
-    return np.ascontiguousarray(np.linalg.solve(vandermonde.T, integrals.T).T)
 
 
 @dataclass(frozen=True)

@@ -151,7 +151,24 @@ class ScatteringSystem(FieldEquations):
         super().__init__(operators, gas)
         self.rows, self.open_fraction = rows, open_fraction
         passing = open_fraction * operators.reflected
-        emission, arrival = self._emission(), self._arrival()
+        # moments at all nodes of each mode, and last of c·e_z, shape (n · fields, columns)
+        n, e, _, k = rows.emitted.shape
+        matrix = np.zeros((n, self.fields, self._parts, k, e))
+        matrix[:, :6, 0] = rows.emitted.transpose(0, 2, 3, 1)
+        if self.gas.has_rotation:
+            turning = rows.emitted[:, :, :3].copy()
+            turning[:, :, 0] -= rows.emitted[:, :, 3]
+            matrix[:, 6:, 1] = turning.transpose(0, 2, 3, 1)
+        along = np.zeros((n, self.fields))
+        along[:, :6] = operators.velocity
+        emission = np.column_stack([matrix.reshape(self.size, -1), along.ravel()])
+        # what arrives in each mode by the fields, shape (parts · k · e, n · fields)
+        translation, rotation = self._sources()
+        parts = [np.einsum("ejsk,sf->kejf", rows.arriving, translation, optimize=True)]
+        if self.gas.has_rotation:
+            turning = rows.arriving[:, :, :3]
+            parts.append(np.einsum("ejsk,sf->kejf", turning, rotation, optimize=True))
+        arrival = np.stack(parts).reshape(-1, self.size)
         unit = np.eye(self.size)
         # fields, and what arrives at a face, where both faces emit a mode alike or opposite
         self.fields_of, self.arrives = [], []
@@ -165,30 +182,6 @@ class ScatteringSystem(FieldEquations):
     def _parts(self) -> int:
         """Distributions that are scattered: that of molecules, and of their rotational energy."""
         return 2 if self.gas.has_rotation else 1
-
-    def _emission(self) -> np.ndarray:
-        """Moments at all nodes of each mode, and last of c·e_z, shape (n · fields, columns)."""
-        emitted = self.rows.emitted
-        n, e, _, k = emitted.shape
-        shape = n, self.fields, self._parts, k, e
-        matrix = np.zeros(shape)
-        matrix[:, :6, 0] = emitted.transpose(0, 2, 3, 1)
-        if self.gas.has_rotation:
-            turning = emitted[:, :, :3].copy()
-            turning[:, :, 0] -= emitted[:, :, 3]
-            matrix[:, 6:, 1] = turning.transpose(0, 2, 3, 1)
-        along = np.zeros((n, self.fields))
-        along[:, :6] = self.operators.velocity
-        return np.column_stack([matrix.reshape(self.size, -1), along.ravel()])
-
-    def _arrival(self) -> np.ndarray:
-        """What arrives in each mode by the fields, shape (parts · k · e, n · fields)."""
-        arriving = self.rows.arriving
-        translation, rotation = self._sources()
-        parts = [np.einsum("ejsk,sf->kejf", arriving, translation, optimize=True)]
-        if self.gas.has_rotation:
-            parts.append(np.einsum("ejsk,sf->kejf", arriving[:, :, :3], rotation, optimize=True))
-        return np.stack(parts).reshape(-1, self.size)
 
     def _own(self, face: Scattering) -> tuple[np.ndarray, np.ndarray]:
         """What a face keeps of each mode, and what it emits of its own, shape (parts · k · e,)."""

@@ -41,23 +41,17 @@ def graded_edges(low, high, at_low, at_high, edges):
 
 
 @kernel
-def _push(directions, count, height, azimuth, weight):
-    horizontal = np.sqrt(max(0.0, (1.0 - height) * (1.0 + height)))
-    directions[count, 0] = horizontal * np.cos(azimuth)
-    directions[count, 1] = horizontal * np.sin(azimuth)
-    directions[count, 2] = height
-    directions[count, 3] = weight
-    return count + 1
-
-
-@kernel
 def _push_ring(directions, count, height, weight, edges, edge_count, nodes, weights):
+    horizontal = np.sqrt(max(0.0, (1.0 - height) * (1.0 + height)))
     for panel in range(edge_count - 1):
         low, width = edges[panel], edges[panel + 1] - edges[panel]
         for k in range(nodes.size):
-            count = _push(
-                directions, count, height, low + width * nodes[k], weight * width * weights[k]
-            )
+            azimuth = low + width * nodes[k]
+            directions[count, 0] = horizontal * np.cos(azimuth)
+            directions[count, 1] = horizontal * np.sin(azimuth)
+            directions[count, 2] = height
+            directions[count, 3] = weight * width * weights[k]
+            count += 1
     return count
 
 

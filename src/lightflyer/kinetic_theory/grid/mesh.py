@@ -119,19 +119,15 @@ class Mesh:
                 if kind == LINEAR:
                     row = np.full(self.eta.size, low + (high - low) * v)
                 elif kind == CYLINDER:
-                    row = self._next_to_cylinder(low, high, v)
+                    start = self.xi_edges[int(np.argmax(self.xi_kinds == CYLINDER))]
+                    ends = [max(0.0, edge - BEYOND * self.boundary) for edge in (low, high)]
+                    share = ends[0] + (ends[1] - ends[0]) * v
+                    outer = cylinder_xi(self.eta, self.boundary, self.ceiling)
+                    row = 1.0 / (1.0 / start + (1.0 / outer - 1.0 / start) * share)
                 else:
                     row = np.full(self.eta.size, 1.0 / (1.0 / low + (1.0 / high - 1.0 / low) * v))
                 rows.append(row)
         return np.array(rows)
-
-    def _next_to_cylinder(self, low: float, high: float, v: float) -> np.ndarray:
-        """ξ of a node on each hyperbola of constant η, by the share of the way to the cylinder."""
-        start = self.xi_edges[int(np.argmax(self.xi_kinds == CYLINDER))]
-        ends = [max(0.0, edge - BEYOND * self.boundary) for edge in (low, high)]
-        share = ends[0] + (ends[1] - ends[0]) * v
-        outer = cylinder_xi(self.eta, self.boundary, self.ceiling)
-        return 1.0 / (1.0 / start + (1.0 / outer - 1.0 / start) * share)
 
     @cached_property
     def radius(self) -> np.ndarray:
@@ -254,7 +250,15 @@ def build_chamber_meshes(
         near += outer
         kinds += [INVERSE] * len(outer)
     far = near[-1]
-    shares = _shares_to_walls(furthest / far, rarefaction * far, refinement)
+    ratio, depth = furthest / far, rarefaction * far  # of the longest way's ends; of its start
+    # ``ratio`` is that of the longest way's ends and ``depth`` the optical depth of its start.
+    count = max(1, int(np.ceil(refinement * np.log(ratio) / np.log(_GAP_GROWTH))))
+    ends = ratio ** (np.arange(1, count + 1) / count)
+    # the last panel is thin enough to see the wall
+    while ratio > 1.5 and depth * (ratio - ([1.0, *ends])[-2]) > _WALL_LAYER / refinement:
+        before = ([1.0, *ends])[-2]
+        ends = np.append(ends[:-1], [ratio - (ratio - before) / 3.0, ratio])
+    shares = (1.0 - 1.0 / ends) / (1.0 - 1.0 / ratio)
     edge = min(0.45, 0.7 * np.sqrt(2.0 / rarefaction), 1.2 * nearest)
     eta_edges = _geometric(edge / refinement, 1.0 + 0.5 / refinement, 1.0)
     corners = sorted({cylinder_corner(radius, height) for height in ceilings})
@@ -272,18 +276,6 @@ def build_chamber_meshes(
         for height in ceilings
     )
     return upper, lower
-
-
-def _shares_to_walls(ratio: float, depth: float, refinement: float) -> np.ndarray:
-    """Ends of the panels next to a chamber's walls, as shares of the way there in 1/ξ."""
-    # ``ratio`` is that of the longest way's ends and ``depth`` the optical depth of its start.
-    count = max(1, int(np.ceil(refinement * np.log(ratio) / np.log(_GAP_GROWTH))))
-    ends = ratio ** (np.arange(1, count + 1) / count)
-    # the last panel is thin enough to see the wall
-    while ratio > 1.5 and depth * (ratio - ([1.0, *ends])[-2]) > _WALL_LAYER / refinement:
-        before = ([1.0, *ends])[-2]
-        ends = np.append(ends[:-1], [ratio - (ratio - before) / 3.0, ratio])
-    return (1.0 - 1.0 / ends) / (1.0 - 1.0 / ratio)
 
 
 def _with_edge(edges: list[float], value: float, fixed: list[float]) -> list[float]:

@@ -16,7 +16,7 @@ excess of a surface is :math:`\theta = (T - T_c)/T_c`.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -239,27 +239,25 @@ class BalloonConvection(AbstractForceModel):
     ) -> tuple[str, ...]:
         excess = np.asarray(temperature) / state.temperature - 1.0
         found = self.own_results(flyer, state, (excess,))
-        return tuple(_filling_diagnostics(flyer, state, found))
-
-
-def _filling_diagnostics(
-    flyer: Balloon, state: EnvironmentState, found: Mapping[str, Array]
-) -> Iterator[str]:
-    pressure, share, tension = np.broadcast_arrays(
-        state.pressure, found["filled_share"], found["film_tension"]
-    )
-    slackest, tightest = int(np.argmin(share)), int(np.argmax(tension))
-    if share.ravel()[slackest] < 1.0 - _ROUNDING:
-        yield (
-            f"the gas fills {share.ravel()[slackest]:.2g} of the envelope at "
-            f"{pressure.ravel()[slackest]:.3g} Pa: light and heat are those of the full sphere"
+        pressure, share, tension = (
+            one.ravel()
+            for one in np.broadcast_arrays(
+                state.pressure, found["filled_share"], found["film_tension"]
+            )
         )
-    worst = tension.ravel()[tightest]
-    if flyer.film_strength is not None and worst > np.min(flyer.film_strength):
-        yield (
-            f"the film must withstand {worst:.3g} N/m at {pressure.ravel()[tightest]:.3g} Pa; its "
-            f"film_strength is {np.min(flyer.film_strength):.3g} N/m"
-        )
+        slackest, tightest, said = int(np.argmin(share)), int(np.argmax(tension)), []
+        if share[slackest] < 1.0 - _ROUNDING:
+            said.append(
+                f"the gas fills {share[slackest]:.2g} of the envelope at "
+                f"{pressure[slackest]:.3g} Pa: light and heat are those of the full sphere"
+            )
+        if flyer.film_strength is not None and tension[tightest] > np.min(flyer.film_strength):
+            said.append(
+                f"the film must withstand {tension[tightest]:.3g} N/m at "
+                f"{pressure[tightest]:.3g} Pa; its film_strength is "
+                f"{np.min(flyer.film_strength):.3g} N/m"
+            )
+        return tuple(said)
 
 
 class BalloonForceSection(ForceSection, of=BalloonConvection):

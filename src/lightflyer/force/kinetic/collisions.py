@@ -130,21 +130,6 @@ class HeatedGas:
     ratio: Numeric
     exponent: Numeric  # Exponent of the gas's viscosity between the two [1]
 
-    @property
-    def _simulated_conduction(self) -> Numeric:
-        """Conductivity of the simulated molecules over viscosity and gas constant [1]."""
-        low, high = collision_fit(self.kind).exponent_range
-        value, slope = _SIMULATED_CONDUCTION
-        return value + slope * (hold_within(self.exponent, low, high) - REFERENCE_EXPONENT)
-
-    @property
-    def _conduction(self) -> Numeric:
-        """The same of the gas, at its temperature: a heat balance then looks it up once."""
-        # A polyatomic gas is scaled by its conductivity elsewhere.
-        if self.gas.molecules != self.kind:
-            return MODEL_CONDUCTION
-        return self.gas.reduced_conductivity(self.temperature)
-
     def force_factor(self, knudsen: Numeric, tac: Numeric) -> Array:
         """Factor of force, :math:`r_F` [1]."""
         factor = collision_fit(self.kind).force_factor(knudsen, self.exponent, tac)
@@ -154,7 +139,15 @@ class HeatedGas:
         """Factor of heat, :math:`r_Q` [1]."""
         factor = collision_fit(self.kind).heat_factor(knudsen, self.exponent, tac)
         if self.kind == "diatomic":
-            factor = factor * (self._simulated_conduction / self._conduction)
+            # conductivity over viscosity and gas constant of the simulated molecules, and of the
+            # gas at its temperature: a heat balance then looks it up once
+            low, high = collision_fit(self.kind).exponent_range
+            value, slope = _SIMULATED_CONDUCTION
+            stiff = hold_within(self.exponent, low, high) - REFERENCE_EXPONENT
+            own: Numeric = MODEL_CONDUCTION  # a polyatomic gas is scaled by its own elsewhere
+            if self.gas.molecules == self.kind:
+                own = self.gas.reduced_conductivity(self.temperature)
+            factor = factor * ((value + slope * stiff) / own)
         return factor * HEAT_HEATED(self.kind, self.ratio, self.exponent)
 
     def factors(self, knudsen: Numeric, tac: Numeric) -> tuple[Array, Array]:

@@ -371,7 +371,15 @@ def force_factors(
     if walls.sharing is None:
         return 1.0, of_tacs
     share = xp.clip(xp.asarray(walls.sharing) / NORMAL_HALF_WIDTH_95, -1.0, 1.0)
-    upper, lower = _factors_at_ends(gas, place, excess, kept)
+    # over Maxwell walls at both :func:`ends`
+    fit = sandwich_walls_fit(gas)
+    held, hole = xp.clip(tac, *UNKNOWN_TACS), xp.clip(open_fraction, *fit.ranges[0])
+    at = place_of(rarefaction, fit.rarefaction_range)[0], hole, held
+    dense = kept * denseness(rarefaction)
+    upper, lower = (
+        (_push_of_free(end.normal, excess) + dense * polynomial(coefficients, *at)) / held
+        for end, coefficients in zip(ends(held, gas), ends_fit(gas), strict=True)
+    )
     found = 1.0 + xp.maximum(share, 0.0) * (upper - 1.0) + xp.maximum(-share, 0.0) * (lower - 1.0)
     return found, of_tacs * sharing_factor(gas, knudsen, tac, mean, walls.sharing)
 
@@ -386,21 +394,3 @@ def _push_of_free(normal: Numeric, excess: tuple[Array, ...]) -> Array:
     """Push of the normal motion, over that at Maxwell walls with a TAC of 1 [1]."""
     maxwell, found = (sum(xp.sqrt(1.0 + one * face) for face in excess) for one in (1.0, normal))
     return xp.asarray(normal * maxwell / found)
-
-
-def _factors_at_ends(
-    gas: str,
-    place: tuple[Numeric, Numeric, Numeric],
-    excess: tuple[Array, ...],
-    kept: Numeric,
-) -> list[Array]:
-    """Force over that at Maxwell walls at both :func:`ends` [1]."""
-    rarefaction, open_fraction, tac = place
-    fit = sandwich_walls_fit(gas)
-    held, hole = xp.clip(tac, *UNKNOWN_TACS), xp.clip(open_fraction, *fit.ranges[0])
-    at = place_of(rarefaction, fit.rarefaction_range)[0], hole, held
-    dense = kept * denseness(rarefaction)
-    return [
-        (_push_of_free(end.normal, excess) + dense * polynomial(coefficients, *at)) / held
-        for end, coefficients in zip(ends(held, gas), ends_fit(gas), strict=True)
-    ]

@@ -84,15 +84,9 @@ def pumped_velocity(
         reynolds = stop_gradient(reynolds)
         coefficient = through_flow_coefficient(reynolds, creeping)
         excess = reynolds * (1.0 + outside * coefficient) - free
-        steepness = 1.0 + outside * _growth_of_force(reynolds, creeping)
+        # derivative of Re C by Re
+        distance, factor = xp.abs(reynolds), _growth(reynolds)
+        growing = factor - 0.5 * _LAYER * distance / (_ONSET + distance) ** 1.5
+        steepness = 1.0 + outside * (coefficient + distance**2 * factor * growing / coefficient)
         reynolds = reynolds - excess / stop_gradient(steepness)
     return reynolds / scale
-
-
-def _growth_of_force(reynolds: Array, creeping: Numeric) -> Array:
-    """Derivative of Re C by Re."""
-    distance = xp.abs(reynolds)
-    factor = _growth(reynolds)
-    growing = factor - 0.5 * _LAYER * distance / (_ONSET + distance) ** 1.5
-    coefficient = through_flow_coefficient(reynolds, creeping)
-    return coefficient + distance**2 * factor * growing / coefficient

@@ -281,7 +281,18 @@ class PlateInGas(NamedTuple):
 
 @kept
 def _plate_in_gas(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> PlateInGas:
-    inside, outside = _inside(flyer, state, unknowns), _outside(flyer, state, unknowns)
+    inside = _inside(flyer, state, unknowns)
+    gas = state.gas
+    mean = state.temperature * (1.0 + 0.25 * (unknowns[0] + unknowns[1]))
+    viscosity = gas.viscosity(mean)
+    free, dense = internal_factors(
+        gas.heat_capacity_ratio_at(mean),
+        gas.specific_gas_constant,
+        viscosity,
+        gas.conductivity(mean),
+    )
+    speed = _most_probable_speed(gas, state.temperature)
+    outside = Outside(viscosity, state.pressure * flyer.radius / (viscosity * speed), dense / free)
     straight = direct_share(SLOT, inside.length)
     straight = straight / (1.0 + _PATH * inside.rarefaction * inside.length)
     opening, film = flyer.open_fraction, flyer.solid_fraction
@@ -295,20 +306,6 @@ def _plate_in_gas(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, 
         top, bottom, exchange.top, exchange.bottom, exchange.passing, around
     )
     return PlateInGas(inside, outside, exchange, gas_top, gas_bottom)
-
-
-def _outside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Outside:
-    gas = state.gas
-    mean = state.temperature * (1.0 + 0.25 * (unknowns[0] + unknowns[1]))
-    viscosity = gas.viscosity(mean)
-    free, dense = internal_factors(
-        gas.heat_capacity_ratio_at(mean),
-        gas.specific_gas_constant,
-        viscosity,
-        gas.conductivity(mean),
-    )
-    speed = _most_probable_speed(gas, state.temperature)
-    return Outside(viscosity, state.pressure * flyer.radius / (viscosity * speed), dense / free)
 
 
 def _flow(flyer: Plate, state: EnvironmentState, plate: PlateInGas) -> ThroughFlow:

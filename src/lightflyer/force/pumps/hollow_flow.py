@@ -130,7 +130,12 @@ def _channels(
         conductance = channel_conductance(
             SLOT, rarefaction, length, flyer.open_fraction, coefficients
         )
-        outside = _gas_outside(flyer, state, unknowns)
+        inner, outer = unknowns
+        straight = direct_share(SLOT, flyer.wall_thickness / flyer.channel_width)
+        # those that meet no other molecule on the way
+        path = mean_free_path(state.pressure, state.temperature, state.gas)
+        passing = flyer.open_fraction * straight / (1.0 + flyer.wall_thickness / path)
+        outside = share_at_wall(flyer, state) * ((1.0 - passing) * outer + passing * inner)
         stopping = thermomolecular_pressure(exponent, state.pressure, inner, outside)
     else:
         conductance = coefficients.poiseuille / length
@@ -154,16 +159,6 @@ def _transport(
         return gas.specific_gas_constant, gas.viscosity(temperature), temperature
     cold = state.temperature
     return published.SPEED_CONSTANT, published.viscosity(cold), cold
-
-
-def _gas_outside(flyer: HollowBody, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
-    """Relative excess of the gas that comes to the wall from outside."""
-    inner, outer = unknowns
-    straight = direct_share(SLOT, flyer.wall_thickness / flyer.channel_width)
-    # those that meet no other molecule on the way
-    path = mean_free_path(state.pressure, state.temperature, state.gas)
-    passing = flyer.open_fraction * straight / (1.0 + flyer.wall_thickness / path)
-    return share_at_wall(flyer, state) * ((1.0 - passing) * outer + passing * inner)
 
 
 def share_at_wall(flyer: HollowBody, state: EnvironmentState) -> Array:
@@ -205,45 +200,32 @@ def pump_flow(
     jet_density = density / (1.0 + inner) if corrections.jet_density else density
     resistance, held = _outlet(flyer, state, inner, jet_density, corrections)
     resistance = errors.outlet * resistance
-    lifted = _thermal_overpressure(flyer, state, density, inner, corrections)
+    # how much the pressure within, over that outside, grows over half of the height: not where
+    # molecules fly from wall to wall
+    lifted: Numeric = 0.0
+    if corrections.buoyant_flow:
+        height = flyer.geometry.height(flyer.size, flyer.outlet_radius)
+        path = mean_free_path(state.pressure, state.temperature, state.gas)
+        height = height / (1.0 + path / height)
+        if flyer.attitude is not None:
+            height = height * xp.cos(flyer.attitude.tilt)
+        lifted = 0.5 * density * state.gravity * height * inner / (1.0 + inner)
     ratio = outlet / wall
     slope = resistance + jet_density * ratio / conductance
     kinetic = 0.5 * jet_density * (1.0 - ratio**2)
     # the outlet is half of the height below the middle of the wall
     drive = errors.wall * (stopping - held) - lifted
-    velocity = _quadratic_root(kinetic, slope, drive)
+    # of the quadratic equation with v|v|, without cancellation
+    root = xp.sqrt(slope**2 + 4.0 * kinetic * xp.abs(drive))
+    velocity = 2.0 * drive / (slope + root)
     pressure = kinetic * velocity * xp.abs(velocity) + resistance * velocity + held + lifted
     wall_velocity = jet_density / density * ratio * velocity
-    exchange = wall * _exchange(density * wall_velocity, conductance * lifted)
-    return PumpFlow(velocity, wall_velocity, pressure, jet_density, exchange)
-
-
-def _thermal_overpressure(
-    flyer: HollowBody,
-    state: EnvironmentState,
-    density: Array,
-    inner: Array,
-    corrections: Corrections,
-) -> Numeric:
-    """How much the pressure within, over that outside, grows over half of the height [Pa]."""
-    # It does not where molecules fly from wall to wall.
-    if not corrections.buoyant_flow:
-        return 0.0
-    height = flyer.geometry.height(flyer.size, flyer.outlet_radius)
-    path = mean_free_path(state.pressure, state.temperature, state.gas)
-    height = height / (1.0 + path / height)
-    if flyer.attitude is not None:
-        height = height * xp.cos(flyer.attitude.tilt)
-    return 0.5 * density * state.gravity * height * inner / (1.0 + inner)
-
-
-def _exchange(inward: Array, lifted: Array) -> Array:
-    """Mean of what leaves, where the flow through a wall falls evenly by ``lifted`` either way."""
-    # That is (J − |j|)²/4J where some of the wall sends gas out and some lets it in. What leaves on
-    # the whole is not part of it.
-    most, mean = xp.abs(lifted), xp.abs(inward)
+    # The flow through the wall falls evenly by J either way: (J − |j|)²/4J leaves where some of the
+    # wall sends gas out and some lets it in. What leaves on the whole is not part of it.
+    most, mean = xp.abs(conductance * lifted), xp.abs(density * wall_velocity)
     both = most > mean
-    return xp.where(both, (most - mean) ** 2 / (4.0 * xp.where(both, most, 1.0)), 0.0)
+    exchange = wall * xp.where(both, (most - mean) ** 2 / (4.0 * xp.where(both, most, 1.0)), 0.0)
+    return PumpFlow(velocity, wall_velocity, pressure, jet_density, exchange)
 
 
 def _outlet(
@@ -274,12 +256,6 @@ def _outlet_exponent(flyer: HollowBody, state: EnvironmentState, corrections: Co
     speed = xp.sqrt(2.0 * constant * at)
     rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
     return thermomolecular_exponent(ROUND, rarefaction, _NO_LENGTH)
-
-
-def _quadratic_root(square: Array, slope: Array, drive: Array) -> Array:
-    """Root of ``square · v|v| + slope · v = drive`` without cancellation."""
-    root = xp.sqrt(slope**2 + 4.0 * square * xp.abs(drive))
-    return 2.0 * drive / (slope + root)
 
 
 def pump_force(

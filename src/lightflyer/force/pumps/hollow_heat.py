@@ -1,7 +1,5 @@
 """Heat that the gas takes from a hollow body, as published or with its corrections."""
 
-from typing import NamedTuple
-
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.hollow import HollowBody
@@ -13,7 +11,6 @@ from lightflyer.force.pumps.hollow_flow import (
     EXACT,
     Corrections,
     Errors,
-    PumpFlow,
     free_molecular,
     mean_temperature,
     pump_flow,
@@ -26,26 +23,20 @@ _DISK_CONDUCTION = 4.0  # conductance of a disk's one face to a half-space, over
 _HELD = 1e9  # conductance that holds the outer film at the gas temperature, over the wall's
 
 
-class _WallHeat(NamedTuple):
-    """Conductances of the gas in the wall per relative excess [W]."""
-
-    closed: Array  # between the films
-    open: Array  # in the channels
-
-
 def _wall_heat(
     flyer: HollowBody,
     state: EnvironmentState,
     unknowns: tuple[Array, ...],
     corrections: Corrections,
-) -> _WallHeat:
+) -> tuple[Array, Array]:
+    """Conductances of the gas in the wall: between the films, and in the channels [W]."""
     closed = flyer.solid_fraction - flyer.sheet_fraction
     thickness, temperature = flyer.wall_thickness, state.temperature
     if not corrections.gas_properties:
         conductivity = published.conductivity(thickness, state.pressure, temperature)
         power = flyer.surface * conductivity * temperature
         hollow = thickness - 2.0 * flyer.sheet_thickness
-        return _WallHeat(power * closed / hollow, power * flyer.open_fraction / thickness)
+        return power * closed / hollow, power * flyer.open_fraction / thickness
     gas = state.gas
     conductivity = gas.conductivity(mean_temperature(state, unknowns))
 
@@ -64,7 +55,7 @@ def _wall_heat(
     facing = accommodation_between(flyer.outer.tac_bottom, flyer.inner.tac_top)
     # the cells between the channels are as far apart as the channels take less than the wall
     cell = flyer.channel_width * flyer.solid_fraction / flyer.open_fraction
-    return _WallHeat(
+    return (
         conductance(
             closed, accommodation_between(facing, slot_transmission(thickness / cell).through)
         ),
@@ -87,16 +78,36 @@ def pump_heat(
     # stead makes up for the flyer's own: the sum of the losses is that of the published balance,
     # for the light that the flyer absorbs.
     inner, outer = unknowns
-    wall = _wall_heat(flyer, state, unknowns, corrections)
+    in_cells, in_channels = _wall_heat(flyer, state, unknowns, corrections)
     if not corrections.energy_balance:
-        return _published_heat(flyer, state, unknowns, wall, corrections)
+        sheets = flyer.sheet_fraction * flyer.sheet_conductivity / flyer.wall_thickness
+        conductance = in_cells + in_channels + flyer.surface * sheets * state.temperature
+        passed = conductance * (inner - outer) / published.THROUGH_WALL
+        if not corrections.projected_light:
+            passed = passed / _light_on_wall(flyer, state)
+        own, gains = flyer.heat_losses(state, unknowns), flyer.heat_gains(state)
+        return passed - own[0] + gains[0], _HELD * conductance * outer - own[1] + gains[1]
     flow = pump_flow(flyer, state, unknowns, corrections, errors)
     share = share_at_wall(flyer, state)
-    between = errors.heat * wall.closed * (inner - outer)
-    through = errors.heat * wall.open * (inner - share * outer)
-    carried = _heat_capacity(state) * flow.exchange
+    between = errors.heat * in_cells * (inner - outer)
+    through = errors.heat * in_channels * (inner - share * outer)
+    gas, temperature = state.gas, state.temperature
+    capacity = gas.heat_capacity(temperature) * temperature
+    carried = capacity * flow.exchange
     taken_inner = between + through + carried * (inner - outer)
-    taken_inner = taken_inner + _outlet_heat(flyer, state, inner, flow, errors)
+    # Gas takes heat along at the outlet, by flow and by diffusion against it:
+    # .. math:: Q = \dot m c_p T_c\,\theta_i\,\left(1 - e^{-x}\right)^{-1},
+    #     \qquad x = \dot m c_p T_c/G
+    still = errors.heat * in_series(
+        free_molecular(state, flyer.outlet_area),
+        _DISK_CONDUCTION * flyer.outlet_radius * gas.conductivity(temperature) * temperature,
+    )
+    mass_flow = flow.jet_density * xp.abs(flow.jet_velocity) * flyer.outlet_area
+    ratio = mass_flow * capacity / still
+    small = ratio < 1e-6  # below it the first term of the series has all digits that matter
+    safe = xp.where(small, 1.0, ratio)
+    growth = xp.where(small, 1.0 + 0.5 * ratio, safe / -xp.expm1(-safe))
+    taken_inner = taken_inner + still * inner * growth
     around = sphere_conductance(
         outer,
         radius=radius(flyer),
@@ -111,53 +122,9 @@ def pump_heat(
     # what leaves is as warm as the outer film, and what comes in as the inner one
     taken_outer = taken_outer + (carried * (2.0 * outer - inner))
     if not corrections.projected_light:
-        own, _ = flyer.heat_losses(state, unknowns)
-        gained = own - flyer.heat_gains(state)[0]
+        gained = flyer.heat_losses(state, unknowns)[0] - flyer.heat_gains(state)[0]
         taken_inner = (taken_inner + gained) / _light_on_wall(flyer, state) - gained
     return taken_inner, taken_outer
-
-
-def _heat_capacity(state: EnvironmentState) -> Array:
-    """Of the gas, for a relative excess [J/kg]."""
-    return state.gas.heat_capacity(state.temperature) * state.temperature
-
-
-def _outlet_heat(
-    flyer: HollowBody, state: EnvironmentState, inner: Array, flow: PumpFlow, errors: Errors
-) -> Array:
-    r"""Heat that leaves with the gas at the outlet, by flow and by diffusion against it [W]."""
-    # .. math:: Q = \dot m c_p T_c\,\theta_i\,\left(1 - e^{-x}\right)^{-1},
-    #     \qquad x = \dot m c_p T_c/G
-    gas, temperature = state.gas, state.temperature
-    still = errors.heat * in_series(
-        free_molecular(state, flyer.outlet_area),
-        _DISK_CONDUCTION * flyer.outlet_radius * gas.conductivity(temperature) * temperature,
-    )
-    mass_flow = flow.jet_density * xp.abs(flow.jet_velocity) * flyer.outlet_area
-    ratio = mass_flow * _heat_capacity(state) / still
-    small = ratio < 1e-6  # below it the first term of the series has all digits that matter
-    safe = xp.where(small, 1.0, ratio)
-    return still * inner * xp.where(small, 1.0 + 0.5 * ratio, safe / -xp.expm1(-safe))
-
-
-def _published_heat(
-    flyer: HollowBody,
-    state: EnvironmentState,
-    unknowns: tuple[Array, ...],
-    wall: _WallHeat,
-    corrections: Corrections,
-) -> tuple[Array, Array]:
-    inner, outer = unknowns
-    sheets = flyer.sheet_fraction * flyer.sheet_conductivity / flyer.wall_thickness
-    conductance = wall.closed + wall.open + flyer.surface * sheets * state.temperature
-    passed = conductance * (inner - outer) / published.THROUGH_WALL
-    if not corrections.projected_light:
-        passed = passed / _light_on_wall(flyer, state)
-    own, gains = flyer.heat_losses(state, unknowns), flyer.heat_gains(state)
-    return (
-        passed - own[0] + gains[0],
-        _HELD * conductance * outer - own[1] + gains[1],
-    )
 
 
 def _light_on_wall(flyer: HollowBody, state: EnvironmentState) -> Array:

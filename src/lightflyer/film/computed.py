@@ -72,46 +72,32 @@ class ComputedFilm(ShortRepr):
         # may.
         found = {}
         for what in ("absorptance", "transmittance", "emittance", "infrared_transmittance"):
-            means = (mean for name, mean in self.averages.items() if name.startswith(what))
-            if any(np.any(mean.covered < _COMPLETE) for mean in means):
-                passing = "transmittance" in what
-                ends = (self._at_passing_bounds if passing else self._at_absorbing_bounds)(what)
-                lower, upper = (dataclasses.replace(self.properties, **end) for end in ends)
-                found[f"{what}_without_data"] = (lower, upper)
-        return found
-
-    def _at_absorbing_bounds(self, what: str) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Properties where nothing, and where everything, is absorbed that is not known."""
-        # Of what is not absorbed as much passes as by the data.
-        lower, upper = {}, {}
-        for name, mean in self.averages.items():
-            if name.startswith(what):
-                lower[name], upper[name] = _property(mean.lower), _property(mean.upper)
-                passing = self.averages.get(_PASSING[name])
-                if passing is None:  # measured, or no concern
-                    room = 1.0 - _numbers(_value_of(self.properties, _PASSING[name]))
-                    upper[name] = _property(np.minimum(mean.upper, room))
-                    continue
-                least, missing = passing.lower, 1.0 - mean.covered
-                share = _ratio(passing.value, 1.0 - mean.value)
-                lower[_PASSING[name]] = _property(least + missing * share)
-                upper[_PASSING[name]] = _property(least)
-        return lower, upper
-
-    def _at_passing_bounds(self, what: str) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Properties where nothing, and where everything, passes of what is not known."""
-        lower, upper = {}, {}
-        for name, mean in self.averages.items():
-            if name.startswith(what):
-                absorbed = [
-                    _numbers(_value_of(self.properties, absorbing))
-                    for absorbing, passing in _PASSING.items()
-                    if passing == name
-                ]
-                room = 1.0 - np.maximum.reduce(np.broadcast_arrays(*absorbed))
+            means = {name: mean for name, mean in self.averages.items() if name.startswith(what)}
+            if not any(np.any(mean.covered < _COMPLETE) for mean in means.values()):
+                continue
+            lower, upper = {}, {}
+            for name, mean in means.items():
                 lower[name] = _property(mean.lower)
+                through = self.averages.get(_PASSING.get(name, ""))
+                if through is not None:  # of what is not absorbed as much passes as by the data
+                    upper[name] = _property(mean.upper)
+                    least, missing = through.lower, 1.0 - mean.covered
+                    share = _ratio(through.value, 1.0 - mean.value)
+                    lower[_PASSING[name]] = _property(least + missing * share)
+                    upper[_PASSING[name]] = _property(least)
+                    continue
+                # what passes leaves room to absorb, and the other way round
+                others = [_PASSING[name]] if name in _PASSING else [
+                    absorbing for absorbing, passing in _PASSING.items() if passing == name
+                ]  # fmt: skip
+                taken = (_numbers(_value_of(self.properties, other)) for other in others)
+                room = 1.0 - np.maximum.reduce(np.broadcast_arrays(*taken))
                 upper[name] = _property(np.minimum(mean.upper, room))
-        return lower, upper
+            found[f"{what}_without_data"] = (
+                dataclasses.replace(self.properties, **lower),
+                dataclasses.replace(self.properties, **upper),
+            )
+        return found
 
     @property
     def warnings(self) -> tuple[str, ...]:

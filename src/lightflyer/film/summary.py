@@ -149,12 +149,24 @@ class FilmSummary(ShortRepr):
         entries |= {name: self._json_value(value) for name, value in self.values().items()}
         if self.light is not am0():
             entries["lamp"] = self.light.name
+        averages = {f"solar_absorptance_{side}": mean for side, mean in self.solar.items()}
+        if self.light is not am0():
+            averages |= {f"lamp_absorptance_{side}": mean for side, mean in self.lamp.items()}
+        averages |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
+        averages |= {f"emittance_normal_{side}": one for side, one in self.thermal_normal.items()}
+        averages |= _transmittances_by_name(self.passing, self.light)
+        # share of each average's spectrum that has data, and bounds for the rest
+        keys = ("covered", "extrapolated_share", "lower", "upper")
+        bounds = {
+            name: {key: self._json_value(getattr(average, key)) for key in keys}
+            for name, average in averages.items()
+        }
         return entries | {
             "uncertainty": {
                 name: self._json_value(value) for name, value in (self.uncertainty or {}).items()
             },
             "interval_95": {name: self._ends(name) for name in self.uncertainty or {}},
-            "bounds": self._bounds(),
+            "bounds": bounds,
             "spectrum": {
                 "wavelength_um": (self.wavelength / MICROMETRE).tolist(),
                 "reflectance": self.optics.reflectance.tolist(),
@@ -180,20 +192,6 @@ class FilmSummary(ShortRepr):
             return [_number(low), _number(high)]
         ends = zip(self.temperatures, low, high, strict=True)
         return {f"{at:g}": [_number(one), _number(other)] for at, one, other in ends}
-
-    def _bounds(self) -> dict[str, Any]:
-        """Share of each average's spectrum that has data, and bounds for the rest."""
-        found = {f"solar_absorptance_{side}": mean for side, mean in self.solar.items()}
-        if self.light is not am0():
-            found |= {f"lamp_absorptance_{side}": mean for side, mean in self.lamp.items()}
-        found |= {f"emittance_{side}": mean for side, mean in self.thermal.items()}
-        found |= {f"emittance_normal_{side}": mean for side, mean in self.thermal_normal.items()}
-        found |= _transmittances_by_name(self.passing, self.light)
-        keys = ("covered", "extrapolated_share", "lower", "upper")
-        return {
-            name: {key: self._json_value(getattr(average, key)) for key in keys}
-            for name, average in found.items()
-        }
 
 
 def _number(value: Any) -> float | None:

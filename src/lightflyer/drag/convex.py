@@ -92,7 +92,12 @@ def convex_drag(
     radius = outline.radius
     speed_ratio = speed / molecular_speed(temperature, gas)
     delta = rarefaction_parameter(pressure, temperature, radius, gas)
-    thin = _thin(speed_ratio, outline, tac, xp.sqrt(1.0 + excess))
+    # what arrives grows with the speed as for a sphere
+    across = xp.asarray(outline.surface) - outline.facing
+    arriving = (2.0 - tac) * outline.facing + tac * 0.5 * across
+    faster = free_molecular.sphere(speed_ratio, 0.0, 1.0) / free_molecular.sphere(0.0, 0.0, 1.0)
+    leaving = 0.5 * _SQRT_PI * tac * xp.sqrt(1.0 + excess) * outline.facing
+    thin = 2.0 / _SQRT_PI * arriving * faster + leaving
     width = xp.sqrt(outline.silhouette / math.pi)
     inertia = sphere_inertia(reynolds_number(speed_ratio, delta) * width / radius)
     growth = viscosity_growth(excess, delta, temperature, gas)
@@ -108,16 +113,6 @@ def cunningham_share(rarefaction: Numeric, tac: Numeric) -> Array:
     slip = (2.0 - tac) / tac * (_SLIP - _SLIP_OF_TAC * (1.0 - tac)) * 2.0 / _SQRT_PI
     limit = 2.0 * _STOKES / (_SQRT_PI * free_molecular.sphere(0.0, tac, 1.0))
     return 1.0 + (limit - slip) * knudsen * xp.expm1(-_CUNNINGHAM_EXPONENT / knudsen)
-
-
-def _thin(speed_ratio: Array, outline: Outline, tac: Numeric, root_ratio: Array) -> Array:
-    """Drag of free molecules, over pressure and speed ratio [m²]."""
-    # What arrives grows with the speed as for a sphere.
-    across = xp.asarray(outline.surface) - outline.facing
-    arriving = (2.0 - tac) * outline.facing + tac * 0.5 * across
-    faster = free_molecular.sphere(speed_ratio, 0.0, 1.0) / free_molecular.sphere(0.0, 0.0, 1.0)
-    leaving = 0.5 * _SQRT_PI * tac * root_ratio * outline.facing
-    return 2.0 / _SQRT_PI * arriving * faster + leaving
 
 
 def convex_diagnostics(

@@ -130,7 +130,9 @@ def disk_inertia(reynolds: Numeric) -> Array:
     high = xp.log(xp.where(fast, factor, 2.0) - 1.0)
     increase = math.log(_OSEEN_DISK) + position
     for joint, law in zip((_OSEEN_FROM, *_DISK_JOINTS), (low, middle, high), strict=True):
-        increase = increase + _rise(position, joint) * (law - increase)
+        # from 0 to 1 about a joint, with a continuous slope
+        along = xp.clip(0.5 + 0.5 * (position - joint) / _JOINT_WIDTH, 0.0, 1.0)
+        increase = increase + along * along * (3.0 - 2.0 * along) * (law - increase)
     return 1.0 + xp.where(moving, xp.exp(increase), _OSEEN_DISK * given)
 
 
@@ -170,9 +172,3 @@ def _positive(reynolds: Numeric) -> tuple[Array, Array]:
     reynolds = xp.asarray(reynolds)
     moving = reynolds > _SMALLEST
     return xp.where(moving, reynolds, 1.0), moving
-
-
-def _rise(position: Array, joint: float) -> Array:
-    """From 0 to 1 about a joint, with a continuous slope."""
-    along = xp.clip(0.5 + 0.5 * (position - joint) / _JOINT_WIDTH, 0.0, 1.0)
-    return along * along * (3.0 - 2.0 * along)

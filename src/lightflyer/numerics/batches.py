@@ -16,7 +16,10 @@ def in_batches(function: Callable[..., Any], arrays: Sequence[Any], size: int) -
     count = max(len(array) for array in arrays if np.ndim(array))
     batches = _batches(arrays, count, size)
     running = function(*next(batches))
-    result = tree.map_leaves(partial(_allocate, count), running)
+    result = tree.map_leaves(
+        lambda part: np.empty((count, *part.shape[1:]) if np.ndim(part) else (), part.dtype),
+        running,
+    )
     for start in range(0, count, size):
         done, batch = running, next(batches, None)
         # JAX already works on the next while this one is copied
@@ -31,10 +34,6 @@ def _batches(arrays: Sequence[Any], count: int, size: int) -> Iterator[list[Any]
         if start + size > count:
             rows = np.minimum(np.arange(start, start + size), count - 1)
         yield [array[rows] if np.ndim(array) else array for array in arrays]
-
-
-def _allocate(count: int, part: Any) -> np.ndarray:
-    return np.empty((count, *part.shape[1:]) if np.ndim(part) else (), part.dtype)
 
 
 def _store(start: int, whole: np.ndarray, part: np.ndarray) -> None:

@@ -19,7 +19,13 @@ def polynomial(coefficients: Coefficients, *variables: Any) -> Any:
     # found by identity: to hash the numbers would take longer than to compute the polynomial
     key = id(coefficients), len(variables)
     if key not in _prepared:
-        _prepared[key] = coefficients, *_prepare(coefficients, len(variables))
+        trimmed = coefficients
+        table = _table(trimmed, len(variables))
+        places = tuple(place for place, length in enumerate(table.shape) if length > 1)
+        if len(places) < len(variables):
+            table = table.reshape([table.shape[place] for place in places])
+            trimmed = trim_zeros(as_tuples(table))
+        _prepared[key] = coefficients, trimmed, places, np.ascontiguousarray(table.T)
     _, needed, places, table = _prepared[key]
     if len(places) < len(variables):
         variables = tuple(variables[place] for place in places)
@@ -34,18 +40,6 @@ polynomial_once = kept(polynomial)
 """The same, remembered within a public call: for variables that its searches do not change."""
 
 _prepared: dict[tuple[int, int], tuple[Coefficients, Coefficients, tuple[int, ...], Any]] = {}
-
-
-def _prepare(
-    coefficients: Coefficients, count: int
-) -> tuple[Coefficients, tuple[int, ...], np.ndarray]:
-    """Coefficients for the variables that have powers, the places of these, and an array."""
-    table = _table(coefficients, count)
-    places = tuple(place for place, length in enumerate(table.shape) if length > 1)
-    if len(places) < count:
-        table = table.reshape([table.shape[place] for place in places])
-        coefficients = trim_zeros(as_tuples(table))
-    return coefficients, places, np.ascontiguousarray(table.T)
 
 
 def _written_out(coefficients: Coefficients, *variables: Any) -> Any:

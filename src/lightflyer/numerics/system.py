@@ -167,39 +167,47 @@ class SafeNewton:
                 state,
             )
         else:
-            state = self._search_active(function, state, parameters, most)
+            # elements that have ended take no more steps
+            whole, places, shape, finder = state, None, state.status.shape, self
+            while state.steps < most:
+                searching = _searching(state.status)
+                count = np.count_nonzero(searching)
+                if not count:
+                    break
+                if len(shape) == 1 and shape[0] > _FEW and count < _MANY_LEFT * shape[0]:
+                    rows = np.flatnonzero(searching)
+                    whole = tree.put_rows(whole, places, state)
+                    places = rows if places is None else places[rows]
+                    given = state, parameters, finder.tolerance
+                    state, parameters, tolerance = tree.take_rows(given, shape, rows)
+                    finder, shape = replace(finder, tolerance=tolerance), (count,)
+                state = finder._move_active(lambda point: function(point, *parameters), state)  # noqa: B023
+            state = tree.put_rows(whole, places, state)
         unfinished = _searching(state.status) & state.is_careful
         root = _select(unfinished, state.careful.base, state.point)
         return root, RootOutcome(state.status, state.steps)
 
-    def _search_active(
-        self,
-        function: Callable[..., Unknowns],
-        state: _State,
-        parameters: tuple[Any, ...],
-        most: int,
-    ) -> _State:
-        """The state at the end, without steps of elements that have ended."""
-        whole, places, shape, finder = state, None, state.status.shape, self
-        while state.steps < most:
-            searching = _searching(state.status)
-            count = np.count_nonzero(searching)
-            if not count:
-                break
-            if len(shape) == 1 and shape[0] > _FEW and count < _MANY_LEFT * shape[0]:
-                rows = np.flatnonzero(searching)
-                whole = tree.put_rows(whole, places, state)
-                places = rows if places is None else places[rows]
-                given = state, parameters, finder.tolerance
-                state, parameters, tolerance = tree.take_rows(given, shape, rows)
-                finder, shape = replace(finder, tolerance=tolerance), (count,)
-            state = finder._move_active(lambda point: function(point, *parameters), state)  # noqa: B023
-        return tree.put_rows(whole, places, state)
-
     def _move_active(self, function: Callable[[Unknowns], Unknowns], state: _State) -> _State:
         """The state after a step of every element that is still searching."""
         newton = _newton(function, state.point, self.lower)
-        plain, plain_verdict, fails = self._plain(newton, state.point, state)
+        # The first search. A point that is not finite at the very first step ends an element: no
+        # method could do better.
+        target = tuple(
+            old + xp.maximum(change, _LARGEST_LOSS * (bound - old))
+            for old, change, bound in zip(state.point, newton.step, self.lower, strict=True)
+        )
+        finite = _all_finite(target)
+        near = xp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
+        arrived = self._is_root(newton) | _is_short(newton.step, state.point, near)
+        plain_verdict = _choose(
+            (arrived, SolverStatus.CONVERGED),
+            (finite | (state.steps > 0), SolverStatus.STEP_LIMIT),
+            (_all_finite(newton.value), SolverStatus.SINGULAR),
+            otherwise=SolverStatus.NOT_FINITE,
+        )
+        fails = _searching(plain_verdict) & (~finite | (state.steps + 1 >= self.plain_steps))
+        moving = finite & self._may_move(newton, state.point)
+        plain = _select(fails, state.start, _select(moving, target, state.point))
         searching, is_careful = _searching(state.status), state.is_careful
 
         def with_careful() -> tuple[Unknowns, Array, _Careful]:
@@ -229,71 +237,43 @@ class SafeNewton:
     def _may_move(self, newton: _Newton, point: Unknowns) -> Array:
         return ~self._is_root(newton) | _is_short(newton.step, point, _TOUCH)
 
-    def _plain(
-        self, newton: _Newton, point: Unknowns, state: _State
-    ) -> tuple[Unknowns, Array, Array]:
-        """Where the first search goes, what it has come to, and whether it fails."""
-        # A point that is not finite at the very first step ends an element: no method could do
-        # better.
-        target = tuple(
-            old + xp.maximum(change, _LARGEST_LOSS * (bound - old))
-            for old, change, bound in zip(point, newton.step, self.lower, strict=True)
-        )
-        finite = _all_finite(target)
-        near = xp.where(state.steps < _PATIENCE, _NEAR, _NEAR_AT_LAST)
-        verdict = _choose(
-            (self._is_root(newton) | _is_short(newton.step, point, near), SolverStatus.CONVERGED),
-            (finite | (state.steps > 0), SolverStatus.STEP_LIMIT),
-            (_all_finite(newton.value), SolverStatus.SINGULAR),
-            otherwise=SolverStatus.NOT_FINITE,
-        )
-        fails = _searching(verdict) & (~finite | (state.steps + 1 >= self.plain_steps))
-        moving = finite & self._may_move(newton, point)
-        return _select(fails, state.start, _select(moving, target, point)), verdict, fails
-
     def _careful(
         self, newton: _Newton, point: Unknowns, memory: _Careful
     ) -> tuple[Unknowns, Array, _Careful]:
         """Go on from a point that is better than the one before, go back from another."""
         better = _level(newton.value, memory.scale) < memory.level
-        onward, advance = self._onward(newton, point)
-        backward, retreat = self._backward(memory, point)
-        verdict = xp.where(better, onward, backward)
-        base = _select(better, point, memory.base)
-        failed = verdict > SolverStatus.STEP_LIMIT
-        ahead = _select(failed, base, _select(better, advance, retreat))
-        scale = _select(better, _scale(newton, point), memory.scale)
-        level = xp.where(better, _level(newton.value, scale), memory.level)
-        return ahead, verdict, _Careful(base, scale, level)
-
-    def _onward(self, newton: _Newton, point: Unknowns) -> tuple[Array, Unknowns]:
-        """What a better point amounts to, and where to go from it."""
-        target = self._in_bounds(point, newton.step)
+        # all of a step is shortened so as to keep above the bounds
+        share = xp.ones_like(point[0])
+        for old, change, bound in zip(point, newton.step, self.lower, strict=True):
+            allowed = _LARGEST_LOSS * (old - bound) / xp.maximum(-change, sys.float_info.min)
+            share = xp.minimum(share, allowed)
+        target = tuple(old + share * change for old, change in zip(point, newton.step, strict=True))
         moving = _all_finite(target) & self._may_move(newton, point)
         arrived = self._is_root(newton) | _is_short(newton.step, point, _NEAR_AT_LAST)
-        verdict = _choose(
+        onward = _choose(
             (arrived, SolverStatus.CONVERGED),
             (~_all_finite(target), SolverStatus.SINGULAR),
             (_is_still(target, point), SolverStatus.STALLED),
             otherwise=SolverStatus.STEP_LIMIT,
         )
-        return verdict, _select(moving, target, point)
-
-    def _backward(self, memory: _Careful, point: Unknowns) -> tuple[Array, Unknowns]:
-        """What a worse point amounts to, and how far to go back."""
+        advance = _select(moving, target, point)
         retreat = tuple(
             old + _SHRINKAGE * (new - old) for old, new in zip(memory.base, point, strict=True)
         )
-        nowhere = _is_still(retreat, memory.base)
-        return _choose((nowhere, SolverStatus.STALLED), otherwise=SolverStatus.STEP_LIMIT), retreat
-
-    def _in_bounds(self, point: Unknowns, step: Unknowns) -> Unknowns:
-        """Where a step leads if all of it is shortened so as to keep above the bounds."""
-        share = xp.ones_like(point[0])
-        for old, change, bound in zip(point, step, self.lower, strict=True):
-            allowed = _LARGEST_LOSS * (old - bound) / xp.maximum(-change, sys.float_info.min)
-            share = xp.minimum(share, allowed)
-        return tuple(old + share * change for old, change in zip(point, step, strict=True))
+        nowhere = _is_still(retreat, memory.base), SolverStatus.STALLED
+        backward = _choose(nowhere, otherwise=SolverStatus.STEP_LIMIT)
+        verdict = xp.where(better, onward, backward)
+        base = _select(better, point, memory.base)
+        failed = verdict > SolverStatus.STEP_LIMIT
+        ahead = _select(failed, base, _select(better, advance, retreat))
+        size = [xp.abs(a) + xp.abs(b) for a, b in zip(point, newton.step, strict=True)]
+        terms = [
+            [xp.abs(slope) * b for slope, b in zip(row, size, strict=True)]
+            for row in newton.jacobian
+        ]
+        scale = _select(better, tuple(1.0 / reduce(xp.add, row) for row in terms), memory.scale)
+        level = xp.where(better, _level(newton.value, scale), memory.level)
+        return ahead, verdict, _Careful(base, scale, level)
 
 
 def _searching(status: Array) -> Array:
@@ -334,14 +314,6 @@ def _is_still(new: Unknowns, old: Unknowns) -> Array:
 
 def _level(value: Unknowns, scale: Unknowns) -> Array:
     return _largest([a * b for a, b in zip(value, scale, strict=True)])
-
-
-def _scale(newton: _Newton, point: Unknowns) -> Unknowns:
-    size = [xp.abs(a) + xp.abs(b) for a, b in zip(point, newton.step, strict=True)]
-    terms = [
-        [xp.abs(slope) * b for slope, b in zip(row, size, strict=True)] for row in newton.jacobian
-    ]
-    return tuple(1.0 / reduce(xp.add, row) for row in terms)
 
 
 _PLAIN_STEPS = 30

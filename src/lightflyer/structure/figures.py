@@ -38,7 +38,9 @@ def draw_cross_section(
         name = "_" if side < 0.0 else ""
         ax.plot(*(1e3 * lower), color=BLUE, label=f"{name}to scale")
         if gap > 0.0:
-            ax.plot(*(1e3 * (lower + gap * _normals(lower, side))), color=BLUE)
+            along = side * np.gradient(lower, axis=1)
+            across = np.array([-along[1], along[0]]) / np.hypot(*along)  # upwards
+            ax.plot(*(1e3 * (lower + gap * across)), color=BLUE)
         if times > 1.0:
             ax.plot(1e3 * lower[0], 1e3 * times * lower[1], color=BLUE, lw=1.0, ls="--",
                     label=f"{name}heights × {times:,.0f}")  # fmt: skip
@@ -69,9 +71,3 @@ def _arc(places: np.ndarray, curled: np.ndarray, droop: np.ndarray) -> np.ndarra
     middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(places)
     ways = np.array([step * np.cos(middle), step * np.sin(middle)])
     return np.concatenate([np.zeros((2, 1)), np.cumsum(ways, axis=1)], axis=1)
-
-
-def _normals(line: np.ndarray, side: float) -> np.ndarray:
-    """Directions across a line, upwards where it is flat, shape (2, n)."""
-    along = side * np.gradient(line, axis=1)
-    return np.array([-along[1], along[0]]) / np.hypot(*along)

@@ -193,15 +193,11 @@ def clamped_deflection(
     poisson = stiffness.poisson
     linear = _PLATE * stiffness.plate / radius**4 + _TENSION * tension / radius**2
     stretched = (_MEMBRANE[0] - _MEMBRANE[1] * poisson) / (1.0 - poisson) * stiffness.membrane
-    return _largest_root(linear, stretched / radius**4, pressure)
-
-
-def _largest_root(linear: Numeric, cubic: Numeric, load: Numeric) -> Array:
-    """Largest x of cubic·x³ + linear·x = load; the cubic term is positive, the load not below 0."""
+    cubic = stretched / radius**4  # positive: the largest root is the one that is wanted
     ratio = linear / cubic
     size = xp.maximum(xp.abs(ratio), _SMALLEST)
     width = 2.0 * xp.sqrt(size / 3.0)
-    steep = 4.0 * (load / cubic) / width**3
+    steep = 4.0 * (pressure / cubic) / width**3
     three = steep < 1.0  # roots; a stand-in keeps the other branch's derivative finite
     folded = xp.cos(xp.arccos(xp.where(three, steep, 0.5)) / 3.0)
     lone = xp.cosh(xp.arccosh(xp.where(three, 2.0, steep)) / 3.0)

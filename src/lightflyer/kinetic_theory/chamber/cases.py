@@ -18,7 +18,6 @@ from lightflyer.core.errors import ConvergenceError
 from lightflyer.kinetic_theory.chamber.enclosure import Chamber, Film
 from lightflyer.kinetic_theory.chamber.half_mesh_operator import (
     HalfOperator,
-    HalvesState,
     assemble_halves,
     wall_quadrature,
 )
@@ -33,6 +32,7 @@ from lightflyer.kinetic_theory.disk.nonlinear import (
     result_of,
 )
 from lightflyer.kinetic_theory.disk.operators import (
+    BaseState,
     Quadrature,
     face_points,
     kernel_arguments,
@@ -180,7 +180,7 @@ class HotChamber:
         given = 1.0 if system.film.wall == "maxwell" else 0.5 * sum(system.film.tac)
         mean = float(sum(system.weights @ x[layout.film(half)] for half in (0, 1)))
         face = 1.0 + 0.5 * mean * given
-        state = HalvesState(
+        state = BaseState(
             excess=(self._fields(x, 0)[:, 3].copy(), self._fields(x, 1)[:, 3].copy()),
             face=face,
             frequency_exponent=-1.0 - system.gas.viscosity_exponent,

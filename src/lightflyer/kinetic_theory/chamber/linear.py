@@ -15,8 +15,9 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from lightflyer.kinetic_theory.chamber.enclosure import Chamber, Film, Surface
-from lightflyer.kinetic_theory.chamber.half_mesh_operator import HalfOperator, OperatorRows
+from lightflyer.kinetic_theory.chamber.half_mesh_operator import HalfOperator
 from lightflyer.kinetic_theory.disk.linear import correct_uniform, source_matrices, turning_rows
+from lightflyer.kinetic_theory.disk.operators import OperatorRows
 from lightflyer.kinetic_theory.model_gases import GasModel
 
 _SQRT_PI = np.sqrt(np.pi)

@@ -228,8 +228,9 @@ class NonlinearProblem:
         """Precondition by the equation linearised about the temperatures of given fields."""
         operators = self.system.operators
         gas = self.system.gas
+        excess = 0.5 * (fields[0, :, 3] + fields[1, :, 3])  # the same in both halves
         base = BaseState(
-            excess=0.5 * (fields[0, :, 3] + fields[1, :, 3]),
+            excess=(excess, excess),
             face=0.5 * sum(disk.uncollided_temperature),
             frequency_exponent=-1.0 - gas.viscosity_exponent,
         )

@@ -59,9 +59,75 @@ def _lagrange_bases(nodes: np.ndarray) -> np.ndarray:
 class BaseState:
     """Gas at rest about which the equation is linearised, by default that far away."""
 
-    excess: np.ndarray | None = None  # shape (n,); θ − 1 at the nodes of a half, the same in both
+    # shape (n,); θ − 1 at the nodes of the two halves
+    excess: tuple[np.ndarray, np.ndarray] | None = None
     face: float = 1.0  # θ of the faces
     frequency_exponent: float = 0.0  # Exponent of the collision frequency in θ at uniform pressure
+
+    def of_kernel(self, size: int, rarefaction: float, half: int = 0) -> tuple:
+        """Arguments of the kernels for a half of as many nodes; ``rarefaction``: δ at rest."""
+        zero = np.zeros((size, 1))
+        own, other = (zero, zero) if self.excess is None else (x[:, None] for x in self.excess)
+        if half:
+            own, other = other, own
+        linear = self.excess is None
+        return rarefaction, self.frequency_exponent, own, other, self.face, linear
+
+
+@dataclass(frozen=True)
+class OperatorRows:
+    """Moments at nodes, or fluxes that arrive at walls, as weighted sums of what sends them."""
+
+    # There are m points, n nodes of a half, e of a face, w of the walls of a half, and k moments or
+    # fluxes.
+
+    # shape (m, n, 6, k); of the fields at the nodes of the own half, of the other one, and of the
+    # own one as the disk reflects it
+    own: np.ndarray
+    other: np.ndarray
+    reflected: np.ndarray
+    sigma: np.ndarray  # shape (m, e, k); of the face of the own half
+    temperature: np.ndarray
+    velocity: np.ndarray  # shape (m, k); of its velocity
+    # shape (3, m, 2, w, k); of σ and temperature of the walls around the gas: seen in the own half,
+    # in the other one, and by reflection
+    rim: np.ndarray
+    theta: np.ndarray  # shape (m,); temperature at the points; 1 at walls
+
+
+def trace_rows(
+    mesh: Mesh,
+    points: np.ndarray,
+    state: tuple,
+    arguments: tuple[tuple, tuple, tuple],
+    corrections: np.ndarray | None = None,
+    wall_nodes: int = 0,
+) -> OperatorRows:
+    """Trace all rays to points, shape (m, 5): the nodes of a half, or on walls.
+
+    ``arguments``: quadratures, and panels of the own and the other half. ``corrections``, shape
+    (n, 6, 6), are filled for nodes; None at walls.
+    """
+    n, m, e, on_wall = mesh.size, points.shape[0], mesh.eta.size, corrections is None
+    count = linear_kernel.WALL_FLUXES if on_wall else linear_kernel.FIELDS
+    own, other, reflected = (np.zeros((m, n, 6 * count)) for _ in range(3))
+    face = np.zeros((m, 2 * e + 1, count))
+    rim = np.zeros((3, m, 2 * wall_nodes, count))
+    unused = np.zeros((m, 0, linear_kernel.FIELDS))
+    linear_kernel.assemble(
+        np.ascontiguousarray(points), on_wall, state, *arguments, own, other, reflected, face, rim,
+        unused if corrections is None else corrections,
+    )  # fmt: skip
+    return OperatorRows(
+        own=own.reshape(m, n, 6, count),
+        other=other.reshape(m, n, 6, count),
+        reflected=reflected.reshape(m, n, 6, count),
+        sigma=face[:, :e],
+        temperature=face[:, e : 2 * e],
+        velocity=face[:, 2 * e],
+        rim=rim.reshape(3, m, 2, wall_nodes, count),
+        theta=np.ones(m) if on_wall else 1.0 + state[2][:, 0],
+    )
 
 
 @dataclass(frozen=True)
@@ -104,56 +170,23 @@ def assemble(
 ) -> Operators:
     """Assemble the linear operators by tracing all rays of a mesh."""
     setup, panels = kernel_arguments(mesh, rarefaction, quadrature)
-    n, e = mesh.size, mesh.eta.size
     base = base or BaseState()
-    linear = base.excess is None
-    excess = np.zeros(n) if base.excess is None else np.ascontiguousarray(base.excess)
-    column = excess[:, None]
-    state = (rarefaction, base.frequency_exponent, column, column, base.face, linear)
-    bare = np.zeros((3, n, 0, linear_kernel.FIELDS))
-    own, other, reflected = (np.zeros((n, n, 36)) for _ in range(3))
-    walls = np.zeros((n, 2 * e + 1, linear_kernel.FIELDS))
-    corrections = np.zeros((n, linear_kernel.FIELDS, linear_kernel.FIELDS))
-    linear_kernel.assemble(
-        node_points(mesh),
-        False,
-        state,
-        setup,
-        panels,
-        panels,
-        own,
-        other,
-        reflected,
-        walls,
-        bare,
-        corrections,
-    )
-    fluxes = np.zeros((e, n, linear_kernel.FIELDS * linear_kernel.WALL_FLUXES))
-    nothing = np.zeros((e, 0, linear_kernel.FIELDS))
-    linear_kernel.assemble(
-        face_points(mesh),
-        True,
-        state,
-        setup,
-        panels,
-        panels,
-        fluxes,
-        fluxes,
-        fluxes,
-        nothing,
-        bare[:, :e],
-        nothing,
-    )
+    state = base.of_kernel(mesh.size, rarefaction)
+    corrections = np.zeros((mesh.size, linear_kernel.FIELDS, linear_kernel.FIELDS))
+    arguments = setup, panels, panels
+    gas = trace_rows(mesh, node_points(mesh), state, arguments, corrections)
+    # rays from a face never come back to the disk
+    face = trace_rows(mesh, face_points(mesh), state, arguments)
     return Operators(
         mesh=mesh,
-        own=own.reshape(n, n, 6, 6),
-        other=other.reshape(n, n, 6, 6),
-        reflected=reflected.reshape(n, n, 6, 6),
-        sigma=walls[:, :e],
-        temperature=walls[:, e : 2 * e],
-        velocity=walls[:, 2 * e],
-        fluxes=fluxes.reshape(e, n, 6, linear_kernel.WALL_FLUXES)[..., : linear_kernel.FLUXES],
+        own=gas.own,
+        other=gas.other,
+        reflected=gas.reflected,
+        sigma=gas.sigma,
+        temperature=gas.temperature,
+        velocity=gas.velocity,
+        fluxes=face.own[..., : linear_kernel.FLUXES],
         corrections=corrections,
-        theta=1.0 + excess,
+        theta=gas.theta,
         face_theta=base.face,
     )

@@ -69,34 +69,6 @@ _SLOW = Validity(
 )
 
 
-class Inside(NamedTuple):
-    """Gas within a plate."""
-
-    temperature: Array  # Mean of both faces [K]
-    rarefaction: Array  # Of a channel [1]
-    length: Array  # Of a channel [1]
-    # Heat through the gas between the faces and in the channels, per difference of the relative
-    # temperature excesses [W]
-    conductance: Array
-
-
-class Outside(NamedTuple):
-    """Gas around a plate, where it conducts and flows."""
-
-    viscosity: Array  # At the mean temperature of plate and gas far away [Pa s]
-    rarefaction: Array  # Of the plate's radius, with it [1]
-    # What internal motion adds to conduction, over what it adds to free molecules' heat [1]
-    internal: Array
-
-
-class Exchange(NamedTuple):
-    """What becomes of molecules that come to a plate."""
-
-    top: Array  # Share that leaves as warm as that face [1]
-    bottom: Array
-    passing: Array  # Share that passes the plate as warm as it came [1]
-
-
 class ThroughFlow(NamedTuple):
     """Flow through a plate."""
 
@@ -193,27 +165,26 @@ class ChannelPump(AbstractForceModel):
         plate = _plate_in_gas(flyer, state, unknowns)
         free = _free_conductance(flyer.area, state, state.temperature)
         free = free * _off(self.heat_error, _HEAT_ERROR)
-        upward = plate.inside.conductance * (bottom - top)
+        upward = plate.conductance * (bottom - top)
         return (
-            free * plate.exchange.top * (top - plate.gas_top) - upward,
-            free * plate.exchange.bottom * (bottom - plate.gas_bottom) + upward,
+            free * plate.top * (top - plate.gas_top) - upward,
+            free * plate.bottom * (bottom - plate.gas_bottom) + upward,
         )
 
     @entry_point
     def force(self, flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         plate = _plate_in_gas(flyer, state, unknowns)
-        exchange = plate.exchange
         top, bottom, gas_top, gas_bottom = map(
             _growth, (*unknowns, plate.gas_top, plate.gas_bottom)
         )
         leaving_top, leaving_bottom = (
-            face * own + (1.0 - face - exchange.passing) * near + exchange.passing * far
+            face * own + (1.0 - face - plate.passing) * near + plate.passing * far
             for face, own, near, far in (
-                (exchange.top, top, gas_top, gas_bottom),
-                (exchange.bottom, bottom, gas_bottom, gas_top),
+                (plate.top, top, gas_top, gas_bottom),
+                (plate.bottom, bottom, gas_bottom, gas_top),
             )
         )
-        ratio = recoil_ratio(plate.outside.rarefaction, flyer.height / flyer.radius)
+        ratio = recoil_ratio(plate.rarefaction_outside, flyer.height / flyer.radius)
         recoil = 0.5 * state.pressure * ratio * (leaving_bottom - leaving_top)
         pressure = _flow(flyer, state, plate).difference + recoil
         return flyer.area * pressure * _off(self.force_error, _FORCE_ERROR)
@@ -241,9 +212,30 @@ class ChannelPump(AbstractForceModel):
         )
 
 
-def _inside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Inside:
-    temperature = state.temperature * (1.0 + 0.5 * (unknowns[0] + unknowns[1]))
-    gas, pressure = state.gas, state.pressure
+class PlateInGas(NamedTuple):
+    """All about the gas that temperatures decide, before anything flows."""
+
+    temperature: Array  # Mean of both faces [K]
+    rarefaction: Array  # Of a channel [1]
+    length: Array  # Of a channel [1]
+    # Heat through the gas between the faces and in the channels, per difference of the relative
+    # temperature excesses [W]
+    conductance: Array
+    viscosity: Array  # Outside, at the mean temperature of plate and gas far away [Pa s]
+    rarefaction_outside: Array  # Of the plate's radius, with it [1]
+    # Share of the molecules that come to a face which leaves as warm as it, and that passes the
+    # plate as warm as it came [1]
+    top: Array
+    bottom: Array
+    passing: Array
+    gas_top: Array  # Relative temperature excess of the gas that comes to the faces [1]
+    gas_bottom: Array
+
+
+@kept
+def _plate_in_gas(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> PlateInGas:
+    (top, bottom), gas, pressure = unknowns, state.gas, state.pressure
+    temperature = state.temperature * (1.0 + 0.5 * (top + bottom))
     speed = _most_probable_speed(gas, temperature)
     rarefaction = pressure * flyer.channel_width / (gas.viscosity(temperature) * speed)
     length = flyer.height / flyer.channel_width
@@ -258,33 +250,18 @@ def _inside(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) 
         conductivity=gas.conductivity(temperature),
     )
     # molecules that fly straight through meet no wall
-    held = slot_transmission(length).through - direct_share(SLOT, length)
+    straight = direct_share(SLOT, length)
+    held = slot_transmission(length).through - straight
     area = flyer.area * flyer.open_fraction
     within = in_series(
         held * _free_conductance(area, state, temperature),
         area * gas.conductivity(temperature) * temperature / flyer.height,
     )
     # of the gas that is as warm as the plate, to that of the gas far away
-    warmer = temperature / state.temperature
-    return Inside(temperature, rarefaction, length, (between + within) / warmer)
-
-
-class PlateInGas(NamedTuple):
-    """All about the gas that temperatures decide, before anything flows."""
-
-    inside: Inside
-    outside: Outside
-    exchange: Exchange
-    gas_top: Array  # Relative temperature excess of the gas that comes to the faces [1]
-    gas_bottom: Array
-
-
-@kept
-def _plate_in_gas(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, ...]) -> PlateInGas:
-    inside = _inside(flyer, state, unknowns)
-    gas = state.gas
-    mean = state.temperature * (1.0 + 0.25 * (unknowns[0] + unknowns[1]))
+    conductance = (between + within) / (temperature / state.temperature)
+    mean = state.temperature * (1.0 + 0.25 * (top + bottom))
     viscosity = gas.viscosity(mean)
+    # what internal motion adds to conduction, over what it adds to free molecules' heat
     free, dense = internal_factors(
         gas.heat_capacity_ratio_at(mean),
         gas.specific_gas_constant,
@@ -292,31 +269,28 @@ def _plate_in_gas(flyer: Plate, state: EnvironmentState, unknowns: tuple[Array, 
         gas.conductivity(mean),
     )
     speed = _most_probable_speed(gas, state.temperature)
-    outside = Outside(viscosity, state.pressure * flyer.radius / (viscosity * speed), dense / free)
-    straight = direct_share(SLOT, inside.length)
-    straight = straight / (1.0 + _PATH * inside.rarefaction * inside.length)
+    outside = pressure * flyer.radius / (viscosity * speed)
+    straight = straight / (1.0 + _PATH * rarefaction * length)
     opening, film = flyer.open_fraction, flyer.solid_fraction
-    exchange = Exchange(
-        film * flyer.top.tac_top + opening * (1.0 - straight),
-        film * flyer.bottom.tac_bottom + opening * (1.0 - straight),
-        opening * straight,
-    )
-    (top, bottom), around = unknowns, disk_surroundings(outside.rarefaction, outside.internal)
-    gas_top, gas_bottom = gas_at_faces(
-        top, bottom, exchange.top, exchange.bottom, exchange.passing, around
-    )
-    return PlateInGas(inside, outside, exchange, gas_top, gas_bottom)
+    from_top = film * flyer.top.tac_top + opening * (1.0 - straight)
+    from_bottom = film * flyer.bottom.tac_bottom + opening * (1.0 - straight)
+    passing = opening * straight
+    around = disk_surroundings(outside, dense / free)
+    near = gas_at_faces(top, bottom, from_top, from_bottom, passing, around)
+    return PlateInGas(
+        temperature, rarefaction, length, conductance, viscosity, outside, from_top, from_bottom,
+        passing, *near,
+    )  # fmt: skip
 
 
 def _flow(flyer: Plate, state: EnvironmentState, plate: PlateInGas) -> ThroughFlow:
-    inside = plate.inside
-    coefficients = channel_coefficients(SLOT, inside.rarefaction, inside.length)
+    coefficients = channel_coefficients(SLOT, plate.rarefaction, plate.length)
     conductance = channel_conductance(
-        SLOT, inside.rarefaction, inside.length, flyer.open_fraction, coefficients
+        SLOT, plate.rarefaction, plate.length, flyer.open_fraction, coefficients
     )
     density = state.gas.density(state.pressure, state.temperature)
-    viscosity = plate.outside.viscosity
-    speed = _most_probable_speed(state.gas, inside.temperature)
+    viscosity = plate.viscosity
+    speed = _most_probable_speed(state.gas, plate.temperature)
     return through_flow(
         thermomolecular_pressure(
             coefficients.exponent, state.pressure, plate.gas_bottom, plate.gas_top
@@ -359,7 +333,7 @@ def _reynolds_number(
     flyer: Plate, state: EnvironmentState, plate: PlateInGas, flow: ThroughFlow
 ) -> Array:
     density = state.gas.density(state.pressure, state.temperature)
-    return density * flyer.radius * xp.abs(flow.velocity) / plate.outside.viscosity
+    return density * flyer.radius * xp.abs(flow.velocity) / plate.viscosity
 
 
 @entry_point
@@ -367,7 +341,7 @@ def _highest_reynolds_number(flyer: Plate, state: EnvironmentState, hottest: Arr
     """With the largest temperature difference that hottest face and absorbed power allow."""
     gained = zip(flyer.beam_areas(state), flyer.heat_gains(state), strict=True)
     power = [beam * state.radiation.irradiance + other for beam, other in gained]
-    conductance = _inside(flyer, state, (hottest, hottest)).conductance
+    conductance = _plate_in_gas(flyer, state, (hottest, hottest)).conductance
     difference = xp.minimum(hottest, xp.maximum(*map(xp.abs, power)) / conductance)
     faces = (hottest - difference, hottest)
     plate = _plate_in_gas(flyer, state, faces)

@@ -243,7 +243,7 @@ class Chamber(AbstractEnvironment):
         )
         return given.with_ground_view(view_of_floor(self.floor, wall))
 
-    def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:  # noqa: ARG002
+    def state(self, coordinate: Numeric, place: Place | None = None) -> EnvironmentState:
         """Surroundings at a pressure, which may lie outside the range of interest."""
         pressure = self.coordinate.quantity.number("pressure", coordinate, keep_index=True)
         _PRESSURE.check("pressure", pressure)

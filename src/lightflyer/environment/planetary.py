@@ -217,7 +217,7 @@ class PlanetSection(AltitudeSection, abc.ABC):
         """What dims the light; None for clear air."""
         return None
 
-    def build_wind(self, atmosphere: AbstractAtmosphere) -> AbstractWind | None:  # noqa: ARG002
+    def build_wind(self, atmosphere: AbstractAtmosphere) -> AbstractWind | None:
         """The wind; None for gas at rest."""
         return None
 

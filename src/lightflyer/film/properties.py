@@ -382,18 +382,15 @@ class FilmSection(Alternative, abc.ABC):
         self, incidence: float = 0.0, *, passing: bool = True
     ) -> dict[str, tuple[FilmProperties, FilmProperties]]:
         """The film at the bounds of what missing data leave open."""
-        del incidence, passing
         return {}
 
     def warnings(self, incidence: float = 0.0, *, passing: bool = True) -> tuple[str, ...]:
         """What a reader of the film's properties must know, one line each."""
-        del incidence
         unseen = [] if passing else [name for name in _PASSING if getattr(self, name) is not None]
         return tuple(f"{name} has no effect: nothing lies behind the film" for name in unseen)
 
     def report(self, incidence: float = 0.0, *, passing: bool = True) -> dict[str, Any]:
         """Value and origin of each property of a film of layers, as a JSON object in SI units."""
-        del incidence, passing
         return {}
 
     @abc.abstractmethod
@@ -409,12 +406,10 @@ class FilmSection(Alternative, abc.ABC):
 
     def with_optics(self, properties: FilmProperties | WholeFilm) -> "FilmSection":
         """A copy that does not compute the optics of layers anew."""
-        del properties
         return self
 
     def changes_optics(self, name: str, *, passing: bool = True) -> bool:
         """Whether a number's change means computing the optics of layers anew."""
-        del name, passing
         return False
 
 
@@ -444,6 +439,5 @@ class MeasuredFilmSection(FilmSection):
         self, incidence: float = 0.0, *, passing: bool = True, coarse: bool = False
     ) -> FilmProperties:
         """The film's properties, without their uncertainties; the same at any incidence."""
-        del incidence, passing, coarse
         stated: dict[str, Any] = self.stated_values()
         return FilmProperties(**{name: value.value for name, value in stated.items()})

@@ -72,21 +72,18 @@ class AbstractForceModel(Checked):
 
     def pushes_unheated(self, flyer: Any, state: EnvironmentState) -> bool:
         """Whether a flyer that is as warm as the gas is pushed too."""
-        del flyer, state
         return False
 
     def flow_balance(
         self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> tuple[Array, ...]:
         """Equations of the flyer's flows, one each, scaled to order one and zero in balance."""
-        del flyer, state, unknowns
         return ()
 
     def own_results(
         self, flyer: Any, state: EnvironmentState, unknowns: tuple[Array, ...]
     ) -> dict[str, Any]:
         """Values of :attr:`results` in balance, in SI units; not those of the flyer's flows."""
-        del flyer, state, unknowns
         return {}
 
     def ranges(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> Looks:
@@ -94,12 +91,10 @@ class AbstractForceModel(Checked):
 
         ``temperature`` is that of the hottest node [K].
         """
-        del flyer, state, temperature
         return ()
 
     def remarks(self, flyer: Any, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
         """What else to warn of; arguments are concrete."""
-        del flyer, state, temperature
         return ()
 
     def diagnostics(
@@ -119,7 +114,6 @@ class AbstractForceModel(Checked):
 
     def assumptions(self, flyer: Any) -> tuple[str, ...]:
         """What the model assumes about a flyer that a reader must know, in short texts."""
-        del flyer
         return ()
 
     @classmethod

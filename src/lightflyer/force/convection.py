@@ -203,7 +203,6 @@ class BalloonConvection(AbstractForceModel):
     @entry_point
     def force(self, flyer: Balloon, state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
         """None on a sphere of one temperature."""
-        del flyer
         return 0.0 * (unknowns[0] + state.pressure)
 
     @entry_point

@@ -47,12 +47,7 @@ class AbstractFreeMolecular(AbstractForceModel):
         (excess,) = unknowns
         return (disk_conductance(flyer, state, excess) * excess,)
 
-    def ranges(
-        self,
-        flyer: Disk,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
-    ) -> Looks:
+    def ranges(self, flyer: Disk, state: EnvironmentState, temperature: Numeric) -> Looks:
         yield _THIN, knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
 
 

@@ -258,10 +258,7 @@ class Lu2023(AbstractForceModel):
         yield _FITTED_HEATING, ratio
 
     def remarks(
-        self,
-        flyer: Disk,  # noqa: ARG002
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
+        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
         if isinstance(state.gas, AbstractAir) or (float(self.c_fm), float(self.c_cont)) != (
             _FITTED_C_FM,

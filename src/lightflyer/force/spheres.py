@@ -211,7 +211,6 @@ class Rohatschek1995(AbstractSphereForce):
         return error * (flyer.alignment(state) * halves - pushed)
 
     def ranges(self, flyer: Sphere, state: EnvironmentState, temperature: Numeric) -> Looks:
-        del flyer
         yield _SMALL_DIFFERENCES, temperature / state.temperature
 
 
@@ -266,7 +265,6 @@ class KineticSphere(AbstractSphereForce):
         return error * share * _free_molecular_force(flyer, state, mean, side, cooled)
 
     def ranges(self, flyer: Sphere, state: EnvironmentState, temperature: Numeric) -> Looks:
-        del flyer
         yield _MODERATE_DIFFERENCES, temperature / state.temperature
 
 
@@ -293,7 +291,6 @@ class FreeMolecularSphere(AbstractSphereForce):
         return _free_molecular_force(flyer, state, mean, side)
 
     def ranges(self, flyer: Sphere, state: EnvironmentState, temperature: Numeric) -> Looks:
-        del temperature
         yield _THIN, knudsen_number(state.pressure, state.temperature, flyer.radius, state.gas)
 
 

@@ -56,7 +56,6 @@ class AbstractGas(Module):
         For free molecules between a gas and a wall take it at the mean of the two temperatures;
         in carbon dioxide between 140 K and 260 K their heat is then right to 0.3 %.
         """
-        del temperature
         return self.heat_capacity_ratio
 
     @entry_point
@@ -174,7 +173,6 @@ class AbstractGas(Module):
 
     def ranges(self, temperature: Temperature) -> Looks:
         """Ranges in which the gas is known, each with a number of its own."""
-        del temperature
         return ()
 
     def diagnostics(self, temperature: Temperature, pressure: Pressure) -> tuple[str, ...]:

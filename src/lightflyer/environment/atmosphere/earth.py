@@ -176,15 +176,15 @@ class US1976(AbstractAtmosphere):
         return "atmosphere: US Standard Atmosphere 1976, the same everywhere and always"
 
     @entry_point
-    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:
         return self._nan_outside(altitude, _temperature(altitude))
 
     @entry_point
-    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:
         return self._nan_outside(altitude, _pressure(altitude))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:
         return self._nan_outside(altitude, _molar_mass_ratio(altitude))
 
     @entry_point
@@ -291,16 +291,16 @@ class Lu2023Atmosphere(AbstractAtmosphere):
         return "atmosphere: the polynomial of Lu and others (2023), the same everywhere and always"
 
     @entry_point
-    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:
         return self._nan_outside(altitude, 1.0 / polynomial(_CENTRED, _place(altitude)))
 
     @entry_point
-    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:
         integral = _METRES_PER_KILOMETRE * polynomial(_INTEGRAL, _place(altitude))
         exponent = constants.GRAVITY_LU2023 / constants.GAS_CONSTANT_LU2023 * integral
         return self._nan_outside(altitude, constants.SEA_LEVEL_PRESSURE * xp.exp(-exponent))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:
         """One: the paper's gas does not change with altitude."""
         return xp.ones_like(altitude)

@@ -151,11 +151,11 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         )
 
     @entry_point
-    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:
         return self._nan_outside(altitude, self.profile(altitude) + self.temperature_offset)
 
     @entry_point
-    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:
         # integral of g/T from altitude 0 [m²/(s² K)]
         nodes, offset = xp.asarray(self.profile.nodes), xp.asarray(self.temperature_offset)
         start, width = nodes[:-1, None], xp.diff(nodes)[:, None]
@@ -183,7 +183,7 @@ class MarsAtmosphere(Checked, AbstractAtmosphere):
         return self._nan_outside(altitude, self.surface_pressure * xp.exp(-exponent))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:
         """One: the composition is the same at all altitudes."""
         return self._nan_outside(altitude, xp.ones_like(altitude))
 

@@ -171,16 +171,16 @@ class NRLMSIS(AbstractAtmosphere):
         return 0.0, _TOP_OF_PROFILE
 
     @entry_point
-    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def temperature(self, altitude: Altitude, place: Place | None = None) -> Any:
         return self._nan_outside(altitude, self.kinetic_temperature(altitude))
 
     @entry_point
-    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def pressure(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Pressure [Pa], the sum of the species' number densities times kT."""
         return self._nan_outside(altitude, xp.exp(self.log_pressure(altitude)))
 
     @entry_point
-    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:  # noqa: ARG002
+    def molar_mass_ratio(self, altitude: Altitude, place: Place | None = None) -> Any:
         """Mean molar mass over that of the standard's sea-level air [1]."""
         return self._nan_outside(altitude, self.molar_mass(altitude))
 

@@ -33,7 +33,7 @@ class AbstractGround(Checked):
     def infrared_at(self, place: Place) -> Array:
         """Heat radiation that leaves the planet [W/m²], shape (...)."""
 
-    def margins(self, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, place: Place) -> dict[str, Numeric]:
         """How far the data still reach, for what integrates along a path.
 
         By what is beyond the end, in words, the distance to it: negative where there are no data.

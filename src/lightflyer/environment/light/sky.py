@@ -49,7 +49,7 @@ class AbstractSky(Module):
         Beyond the data a concrete place raises :class:`ParameterError`; a traced one gives NaN.
         """
 
-    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         """How far the data still reach at an altitude [m]; see :meth:`AbstractGround.margins`."""
         return {}
 
@@ -109,7 +109,7 @@ class Daylight(AbstractSky, Checked):
         """The same sky with the sun from a table, for many evaluations between two times."""
         return replace(self, sun=TabulatedSun(self.sun, self.planet.rotation_rate, start, stop))
 
-    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         return self.ground.margins(place)
 
     def depression(self, altitude: Altitude, place: Place, sun: SunInSky) -> Array:

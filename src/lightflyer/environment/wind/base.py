@@ -49,10 +49,7 @@ class AbstractWind(Module):
         """
 
     def air(
-        self,
-        altitude: Altitude,  # noqa: ARG002
-        place: Place,  # noqa: ARG002
-        atmosphere: AbstractAtmosphere,  # noqa: ARG002
+        self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere
     ) -> AirBesideWind | None:
         """The air of the wind's data; None where they have none, or only winds are meant.
 
@@ -60,7 +57,7 @@ class AbstractWind(Module):
         """
         return None
 
-    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         """How far the wind still reaches, for what integrates along a path; ``altitude`` [m].
 
         By what is beyond the end, in words, the distance to it: negative where there is no wind, in

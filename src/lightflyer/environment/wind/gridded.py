@@ -210,7 +210,6 @@ class GriddedWind(AbstractWind):
     def air(
         self, altitude: Altitude, place: Place, atmosphere: AbstractAtmosphere
     ) -> AirBesideWind | None:
-        del atmosphere
         if not self.has_air:
             return None
         temperature, log_pressure = self._at(altitude, place)[3:]

@@ -102,7 +102,7 @@ class HWM14(AbstractWind):
     def velocity(self, altitude: Altitude, place: Place) -> Wind:
         return self._require_margins(altitude, place, _velocity(self, altitude, place))
 
-    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:  # noqa: ARG002
+    def margins(self, altitude: Altitude, place: Place) -> dict[str, Numeric]:
         return {_ABOVE: (HIGHEST - altitude) / _TWO_KILOMETRES}
 
     @property

@@ -57,9 +57,7 @@ class UniformWindSection(WindSection, of=UniformWind):
     kind: Literal["uniform"] = "uniform"
 
     def build_horizontal(
-        self,
-        atmosphere: AbstractAtmosphere,  # noqa: ARG002
-        indices: SolarActivity | None,  # noqa: ARG002
+        self, atmosphere: AbstractAtmosphere, indices: SolarActivity | None
     ) -> AbstractWind:
         wind: UniformWind = self.make(up=0.0)
         return wind
@@ -76,9 +74,7 @@ class GradientWindSection(WindSection):
     ap: GeomagneticIndex | None = None
 
     def build_horizontal(
-        self,
-        atmosphere: AbstractAtmosphere,  # noqa: ARG002
-        indices: SolarActivity | None,
+        self, atmosphere: AbstractAtmosphere, indices: SolarActivity | None
     ) -> AbstractWind:
         given = self.indices or indices
         if given is None:
@@ -157,9 +153,7 @@ class Hwm14WindSection(WindSection):
         return path
 
     def build_horizontal(
-        self,
-        atmosphere: AbstractAtmosphere,  # noqa: ARG002
-        indices: SolarActivity | None,  # noqa: ARG002
+        self, atmosphere: AbstractAtmosphere, indices: SolarActivity | None
     ) -> AbstractWind:
         return HWM14(self.file)
 

@@ -95,7 +95,6 @@ class KineticDisk(AbstractWalled):
 
     def pushes_unheated(self, flyer: Disk, state: EnvironmentState) -> bool:
         """A disk over a warm floor is pushed."""
-        del flyer
         return state.floor_excess is not None
 
     def heat_loss(
@@ -191,10 +190,7 @@ class KineticDisk(AbstractWalled):
         yield from kinetic_walls.ranges(flyer, self.walls, _kind(state.gas), knudsen, lowest)
 
     def remarks(
-        self,
-        flyer: Disk,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
+        self, flyer: Disk, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
         gas, walled = state.gas, chamber_of(state, flyer.radius) is not None
         atoms = gas.molecules == "monatomic"

@@ -164,10 +164,7 @@ class KineticSandwich(AbstractWalled):
         return (*looks, *sandwich_ranges(flyer, state))
 
     def remarks(
-        self,
-        flyer: Sandwich,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
+        self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
         solid = state.floor_distance is not None or state.lid_distance is not None
         return (

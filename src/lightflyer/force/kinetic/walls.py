@@ -211,7 +211,6 @@ class AbstractWalled(AbstractForceModel):
         )
 
     def assumptions(self, flyer: AbstractFlyer) -> tuple[str, ...]:
-        del flyer
         return (IN_WORDS[self.wall],)
 
 

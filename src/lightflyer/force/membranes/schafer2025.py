@@ -186,21 +186,13 @@ class Schafer2025(AbstractForceModel):
             ratio = ratio * (1.0 + self.force_error * own)
         return 0.5 * state.pressure * flyer.area * ratio * sum(passed.recoil(*unknowns))
 
-    def ranges(
-        self,
-        flyer: Sandwich,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
-    ) -> Looks:
+    def ranges(self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric) -> Looks:
         yield _DENSE, rarefaction_of(flyer, state)
         yield _OPEN, flyer.open_fraction
         yield from sandwich_ranges(flyer, state)
 
     def remarks(
-        self,
-        flyer: Sandwich,
-        state: EnvironmentState,  # noqa: ARG002
-        temperature: Numeric,  # noqa: ARG002
+        self, flyer: Sandwich, state: EnvironmentState, temperature: Numeric
     ) -> tuple[str, ...]:
         return tuple(sandwich_remarks(flyer, self.transmission))
 

@@ -62,12 +62,7 @@ class AbstractHollowModel(AbstractForceModel):
     ) -> dict[str, Array]:
         return pump_results(flyer, state, unknowns, self.corrections, self.errors)
 
-    def ranges(
-        self,
-        flyer: HollowBody,
-        state: EnvironmentState,
-        temperature: Numeric,  # noqa: ARG002
-    ) -> Looks:
+    def ranges(self, flyer: HollowBody, state: EnvironmentState, temperature: Numeric) -> Looks:
         return pump_ranges(flyer, state, self.corrections)
 
 

@@ -1,4 +1,4 @@
-"""The collision operator of VHS molecules: alone, at a plane wall, and around a disk."""
+"""The collision operator of VHS molecules: alone, and around a disk."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ pytest.importorskip("numba")
 
 from lightflyer.kinetic_theory import solve
 from lightflyer.kinetic_theory.collisions.brackets import Molecule
-from lightflyer.kinetic_theory.collisions.operator import CollisionOperator, Moments, slip
+from lightflyer.kinetic_theory.collisions.operator import CollisionOperator, Moments
 from lightflyer.kinetic_theory.collisions.problem import MolecularProblem
 from lightflyer.kinetic_theory.disk.cases import Resolution
 from lightflyer.kinetic_theory.disk.linear import FaceWalls
@@ -59,22 +59,6 @@ def test_rotation_relaxes_at_the_rate_of_its_exchange():
     slow, fast = (CollisionOperator(Molecule(0.74, p, rotates=True), FEW) for p in (0.1, 0.2))
     rates = [1.0 - np.sort(np.linalg.eigvalsh(o.mixing(0)))[-3] for o in (slow, fast)]
     assert rates[1] / rates[0] == pytest.approx(2.0, rel=0.1)
-
-
-@pytest.mark.parametrize(
-    ("exponent", "viscous", "thermal"),
-    # hard spheres: Ohwada, Sone & Aoki 1989, Siewert 2003
-    [(0.5, 0.9873, 1.018), (0.74, 1.0015, 1.091)],
-)
-def test_slip_at_a_plane_wall_is_the_published_one(exponent, viscous, thermal):
-    found = slip(operator(exponent, Moments((6, 6, 5, 4))))
-    assert found.viscous == pytest.approx(viscous, rel=2e-3)
-    assert found.thermal == pytest.approx(thermal, rel=2e-3)
-
-
-def test_slip_is_for_molecules_without_rotation():
-    with pytest.raises(ParameterError, match="without rotation"):
-        slip(CollisionOperator(NITROGEN))
 
 
 @pytest.fixture(scope="module")

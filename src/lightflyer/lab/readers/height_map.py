@@ -14,13 +14,7 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Length
 from lightflyer.core.units import parse, scale_and_offset
 from lightflyer.lab.readers import microscopes
-from lightflyer.lab.readers.formats import (
-    Format,
-    NumberMatrix,
-    find_format,
-    read_number_matrix,
-    read_source,
-)
+from lightflyer.lab.readers.formats import Format, find_format, read_number_matrix, read_source
 from lightflyer.lab.readers.microscopes import Channel, choose_channel, with_different_names
 
 _GWYDDION = ("Channel", "Width", "Height", "Value units")  # the lines of its header
@@ -76,8 +70,28 @@ def read_matrix(
     """Read a matrix of heights; returns ``channel``, ``notes``."""
     matrix = read_number_matrix(path, "heights")
     stated = _stated(matrix.above)
-    matrix, aspect, of_list = _from_list(path, matrix)
-    stated = of_list | stated
+    values, said, aspect = matrix.values, matrix.notes, 1.0  # of a pixel, length over width
+    if values.shape[1] == 3 and len(values) >= _LEAST_PLACES**2:  # a list of x, y and height
+        (x, column), (y, row) = (np.unique(values[:, axis], return_inverse=True) for axis in (0, 1))
+        if len(x) * len(y) != len(values) or len(np.unique(row * len(x) + column)) != len(values):
+            raise ConfigurationError(
+                f"{path}: has three columns, as a list of x, y and height, but no full grid of "
+                f"{len(x)} x {len(y)} places; export a matrix"
+            )
+        steps = [np.diff(one) for one in (x, y)]
+        if len(x) < _LEAST_PLACES or len(y) < _LEAST_PLACES or any(
+            np.ptp(one) > _UNEVEN * one.mean() for one in steps
+        ):  # fmt: skip
+            raise ConfigurationError(f"{path}: its list of x, y and height is not an even grid")
+        units = _UNIT_IN_BRACKETS.findall(matrix.above[-1]) if matrix.above else []
+        if len(units) == 3:
+            across = f"{len(x) * steps[0].mean():.9g} {units[0]}"
+            stated = {"Width": across, "Value units": units[2]} | stated
+        heights = values[:, 2]
+        values = np.empty((len(y), len(x)))
+        values[row, column] = heights
+        said += (f"a list of x, y and height is read as {len(x)} x {len(y)} pixels",)
+        aspect = float(steps[1].mean() / steps[0].mean())
     unit = unit or stated.get("Value units")
     if unit is None:
         raise ConfigurationError(f'{path}: its heights have no unit; state it by --unit "nm"')
@@ -90,15 +104,14 @@ def read_matrix(
     width = written if size is None else size
     if width is None:
         raise ConfigurationError(f'{path}: has no width; state it by --size "10 um"')
-    said = matrix.notes
     if written is not None and abs(width - written) > _ROUNDED * written:
         text = f"its width is {1e6 * width:g} µm as stated by --size; the file says "
         said += (f"{text}{stated['Width']}",)
-    rows, columns = matrix.values.shape
+    rows, columns = values.shape
     if length is None or size is not None:
         length = width * rows / columns * aspect
     return Channel(stated.get("Channel", ""), unit, (rows, columns), width, length,
-                   lambda: matrix.values * scale), said  # fmt: skip
+                   lambda: values * scale), said  # fmt: skip
 
 
 def _stated(above: tuple[str, ...]) -> dict[str, str]:
@@ -119,33 +132,6 @@ def _is_length(text: str) -> bool:
         return parse(text, "m").value > 0.0 and text[:1].isdigit() and not text[-1:].isdigit()
     except ConfigurationError:
         return False
-
-
-def _from_list(path: Path, matrix: NumberMatrix) -> tuple[NumberMatrix, float, dict[str, str]]:
-    """The matrix of a list of x, y and height, length of pixels over width, and what it states."""
-    values = matrix.values
-    if values.shape[1] != 3 or len(values) < _LEAST_PLACES**2:
-        return matrix, 1.0, {}
-    (x, column), (y, row) = (np.unique(values[:, axis], return_inverse=True) for axis in (0, 1))
-    if len(x) * len(y) != len(values) or len(np.unique(row * len(x) + column)) != len(values):
-        raise ConfigurationError(
-            f"{path}: has three columns, as a list of x, y and height, but no full grid of "
-            f"{len(x)} x {len(y)} places; export a matrix"
-        )
-    steps = [np.diff(one) for one in (x, y)]
-    if len(x) < _LEAST_PLACES or len(y) < _LEAST_PLACES or any(
-        np.ptp(one) > _UNEVEN * one.mean() for one in steps
-    ):  # fmt: skip
-        raise ConfigurationError(f"{path}: its list of x, y and height is not an even grid")
-    heights = np.empty((len(y), len(x)))
-    heights[row, column] = values[:, 2]
-    note = f"a list of x, y and height is read as {len(x)} x {len(y)} pixels"
-    found = matrix._replace(values=heights, notes=(*matrix.notes, note))
-    units = _UNIT_IN_BRACKETS.findall(matrix.above[-1]) if matrix.above else []
-    stated = {}
-    if len(units) == values.shape[1]:
-        stated = {"Width": f"{len(x) * steps[0].mean():.9g} {units[0]}", "Value units": units[2]}
-    return found, float(steps[1].mean() / steps[0].mean()), stated
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ Industries 1986-1997).
 """
 
 import struct
-from typing import NamedTuple
 
 import numpy as np
 
@@ -32,21 +31,6 @@ _ORDINATES = {0: "arbitrary", 1: "interferogram", 2: "absorbance", 3: "Kubelka-M
               131: "emission"}  # fmt: skip
 
 
-class _Header(NamedTuple):
-    flags: int
-    exponent: int
-    points: int
-    first: float
-    last: float
-    spectra: int
-    abscissa: str
-    ordinate: str
-    order: str  # of bytes
-    size: int
-    log: int  # where the log behind the spectra starts, 0 without one
-    metadata: SpectrumMetadata
-
-
 def is_spc(source: Source) -> bool:
     """Whether a file is one of GRAMS."""
     return (
@@ -58,95 +42,84 @@ def is_spc(source: Source) -> bool:
 
 def read_spc(source: Source) -> list[RawSpectrum]:
     """Read all spectra of a GRAMS file; in the order of the file."""
-    header = _old(source) if source.content[1] == _OLD else _new(source)
-    if not 1 <= header.spectra <= len(source.content) // _SUB_SIZE:
-        source.refuse(f"is damaged: it names {header.spectra} spectra")
+    data = source.content
+    old = data[1] == _OLD
+    if old:
+        order, log, at, labels = "<", 0, _OLD_SIZE, _OLD_LABELS
+        flags, _, exponent, points, first, last, abscissa, ordinate = struct.unpack_from(
+            _OLD_HEADER, data
+        )
+        if flags & _SEVERAL:
+            source.refuse(
+                "holds several spectra in the old version 4Dh; save it in a newer version"
+            )
+        if not 2 <= points <= MOST_POINTS:
+            source.refuse(f"is damaged: it names {points:g} points")
+        flags, points, spectra, abscissa = flags & ~(_X | _OWN_X), int(points), 1, abscissa & 0x7F
+        metadata = SpectrumMetadata(
+            FORMAT,
+            resolution=plain(data[_OLD_RESOLUTION : _OLD_RESOLUTION + 8]),
+            sample=plain(data[_OLD_COMMENT : _OLD_COMMENT + _COMMENT]),
+        )
+    else:
+        order, at, labels = "<" if data[1] == _LITTLE else ">", _NEW_SIZE, _NEW_LABELS
+        (flags, _, _, exponent, points, first, last, spectra, abscissa, ordinate, _) = (
+            struct.unpack_from(order + _NEW_HEADER, data)
+        )
+        spectra = spectra if flags & _SEVERAL else 1
+        (log,) = struct.unpack_from(order + "I", data, _NEW_LOG)
+        metadata = SpectrumMetadata(
+            FORMAT,
+            instrument=plain(data[_NEW_SOURCE : _NEW_SOURCE + 9]),
+            resolution=plain(data[_NEW_RESOLUTION : _NEW_RESOLUTION + 9]),
+            sample=plain(data[_NEW_COMMENT : _NEW_COMMENT + _COMMENT]),
+        )
+    names = [plain(word) for word in data[labels : labels + _LABEL_TEXT].split(b"\x00")[:2]]
+    if not flags & _LABELS or len(names) < 2 or not all(names):
+        names = [
+            _ABSCISSAE.get(abscissa, f"unit {abscissa}"),
+            _ORDINATES.get(ordinate, f"ordinate {ordinate}"),
+        ]
+    if not 1 <= spectra <= len(data) // _SUB_SIZE:
+        source.refuse(f"is damaged: it names {spectra} spectra")
     curves: list[tuple[np.ndarray, np.ndarray]] = []
-    data, at = source.content, header.size
-    order = "<" if header.order == "old" else header.order
-    own_x = header.flags & _X and header.flags & _OWN_X
+    own_x = flags & _X and flags & _OWN_X
     if not own_x:
-        _require_count(source, header.points)
-        x = np.linspace(header.first, header.last, header.points)
-    if header.flags & _X and not own_x:
-        x, at = _take(source, at, order + "f4", header.points)
-    for _ in range(header.spectra):
-        exponent, points = header.exponent, header.points
+        _require_count(source, points)
+        x = np.linspace(first, last, points)
+        if flags & _X:
+            x, at = _take(source, at, order + "f4", points)
+    for _ in range(spectra):
+        of_one, count = exponent, points
         if at + _SUB_SIZE > len(data):
             source.refuse("is damaged: it ends before its last spectrum")
-        if header.flags & _SEVERAL and exponent != _FLOATS:
-            (exponent,) = struct.unpack_from("b", data, at + 1)
+        if flags & _SEVERAL and of_one != _FLOATS:
+            (of_one,) = struct.unpack_from("b", data, at + 1)
         if own_x:
-            (points,) = struct.unpack_from(order + "I", data, at + _SUB_COUNT)
-            _require_count(source, points)
+            (count,) = struct.unpack_from(order + "I", data, at + _SUB_COUNT)
+            _require_count(source, count)
         at += _SUB_SIZE
         if own_x:
-            x, at = _take(source, at, order + "f4", points)
-        bits = 16 if header.flags & _SHORT else 32
-        if exponent == _FLOATS:
-            y, at = _take(source, at, order + "f4", points)
-        elif header.order == "old" and bits == 32:  # the words of an integer are exchanged
-            pairs, at = _take(source, at, "<u2", 2 * points)
+            x, at = _take(source, at, order + "f4", count)
+        bits = 16 if flags & _SHORT else 32
+        if of_one == _FLOATS:
+            y, at = _take(source, at, order + "f4", count)
+        elif old and bits == 32:  # the words of an integer are exchanged
+            pairs, at = _take(source, at, "<u2", 2 * count)
             words = pairs.astype(np.uint32).reshape(-1, 2)
             y = ((words[:, 0] << 16) | words[:, 1]).astype(np.int32)
         else:
-            y, at = _take(source, at, f"{order}i{bits // 8}", points)
+            y, at = _take(source, at, f"{order}i{bits // 8}", count)
         y = y.astype(float)
-        y = y if exponent == _FLOATS else np.ldexp(y, exponent - bits)
+        y = y if of_one == _FLOATS else np.ldexp(y, of_one - bits)
         curves.append((x.astype(float), y))
-    end = header.log or len(data)
+    end = log or len(data)
     notes = (
         ()
-        if at == end or header.flags & _OWN_X
+        if at == end or flags & _OWN_X
         else (f"{end - at} bytes behind its values are not read: is it damaged?",)
     )
-    return [
-        RawSpectrum(x, y, header.abscissa, header.ordinate, header.metadata, notes=notes)
-        for x, y in curves
-    ]
-
-
-def _new(source: Source) -> _Header:
-    data = source.content
-    order = "<" if data[1] == _LITTLE else ">"
-    (flags, _, _, exponent, points, first, last, spectra, x, y, _) = struct.unpack_from(
-        order + _NEW_HEADER, data
-    )
-    metadata = SpectrumMetadata(
-        FORMAT,
-        instrument=plain(data[_NEW_SOURCE : _NEW_SOURCE + 9]),
-        resolution=plain(data[_NEW_RESOLUTION : _NEW_RESOLUTION + 9]),
-        sample=plain(data[_NEW_COMMENT : _NEW_COMMENT + _COMMENT]),
-    )
-    (log,) = struct.unpack_from(order + "I", data, _NEW_LOG)
-    named = _names(flags, x, y, data[_NEW_LABELS : _NEW_LABELS + _LABEL_TEXT])
-    return _Header(flags, exponent, points, first, last, spectra if flags & _SEVERAL else 1,
-                   *named, order, _NEW_SIZE, log, metadata)  # fmt: skip
-
-
-def _old(source: Source) -> _Header:
-    data = source.content
-    flags, _, exponent, points, first, last, x, y = struct.unpack_from(_OLD_HEADER, data)
-    if flags & _SEVERAL:
-        source.refuse("holds several spectra in the old version 4Dh; save it in a newer version")
-    if not 2 <= points <= MOST_POINTS:
-        source.refuse(f"is damaged: it names {points:g} points")
-    metadata = SpectrumMetadata(
-        FORMAT,
-        resolution=plain(data[_OLD_RESOLUTION : _OLD_RESOLUTION + 8]),
-        sample=plain(data[_OLD_COMMENT : _OLD_COMMENT + _COMMENT]),
-    )
-    named = _names(flags, x & 0x7F, y, data[_OLD_LABELS : _OLD_LABELS + _LABEL_TEXT])
-    return _Header(flags & ~(_X | _OWN_X), exponent, int(points), first, last, 1, *named, "old",
-                   _OLD_SIZE, 0, metadata)  # fmt: skip
-
-
-def _names(flags: int, x: int, y: int, labels: bytes) -> tuple[str, str]:
-    if flags & _LABELS:
-        words = [plain(word) for word in labels.split(b"\x00")]
-        if len(words) >= 2 and words[0] and words[1]:
-            return words[0], words[1]
-    return _ABSCISSAE.get(x, f"unit {x}"), _ORDINATES.get(y, f"ordinate {y}")
+    return [RawSpectrum(x, y, names[0], names[1], metadata, notes=notes) for x, y in curves]
 
 
 def _take(source: Source, at: int, kind: str, count: int) -> tuple[np.ndarray, int]:

@@ -84,13 +84,27 @@ def read_opus(source: Source) -> list[RawSpectrum]:
     with warnings.catch_warnings():  # of Python 3.12 about escapes in its docstrings
         warnings.simplefilter("ignore", SyntaxWarning)
         extra("brukeropus.file", "reading Bruker OPUS files", "lab")
-    from brukeropus.file.block import pair_data_and_status_blocks
+    from brukeropus.file.block import FileBlock, pair_data_and_status_blocks
+    from brukeropus.file.parse import parse_directory, parse_header
 
-    blocks = _opus_blocks(source)
+    data = source.content
+    _, start, most, _ = parse_header(data)
+    size = 12 * most  # type, size and place of each block
+    if not 0 < start < len(data) or not 0 < size <= len(data):
+        source.refuse("is damaged: its directory is outside the file")
+    listed = data[start : start + size]
+    blocks = []
     said: dict[str, Any] = {}
-    for block in blocks:
-        if block.is_sm_param() and isinstance(block.data, dict):
-            said.update(block.data)
+    for kind, length, place in parse_directory(listed[: len(listed) // 12 * 12]):
+        if length < 0 or place + length > len(data):
+            source.refuse(f"is damaged: a block of {length} bytes does not fit into it")
+        block = FileBlock(filebytes=data, block_type=kind, size=length, start=place)
+        if block.is_data() or (block.is_param() and _ends(block.bytes)):  # or the parser hangs
+            block.parse()
+        if block.data is not None and not block.parse_error:
+            blocks.append(block)
+            if block.is_sm_param() and isinstance(block.data, dict):
+                said.update(block.data)
     metadata = SpectrumMetadata(
         OPUS,
         instrument=one_line(str(said.get("ins", ""))),
@@ -107,29 +121,6 @@ def read_opus(source: Source) -> list[RawSpectrum]:
     if not found:
         source.refuse("holds no spectrum; a series of spectra must be exported one by one")
     return found
-
-
-def _opus_blocks(source: Source) -> list[Any]:
-    """Blocks of the file; none that the parser would run through without end."""
-    from brukeropus.file.block import FileBlock
-    from brukeropus.file.parse import parse_directory, parse_header
-
-    data = source.content
-    _, start, most, _ = parse_header(data)
-    size = 12 * most  # type, size and place of each block
-    if not 0 < start < len(data) or not 0 < size <= len(data):
-        source.refuse("is damaged: its directory is outside the file")
-    listed = data[start : start + size]
-    blocks = []
-    for kind, length, place in parse_directory(listed[: len(listed) // 12 * 12]):
-        if length < 0 or place + length > len(data):
-            source.refuse(f"is damaged: a block of {length} bytes does not fit into it")
-        block = FileBlock(filebytes=data, block_type=kind, size=length, start=place)
-        if block.is_data() or (block.is_param() and _ends(block.bytes)):
-            block.parse()
-        if block.data is not None and not block.parse_error:
-            blocks.append(block)
-    return blocks
 
 
 def _ends(parameters: bytes) -> bool:

@@ -124,12 +124,22 @@ def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
               f"{_POWER_ERROR:+.1%}")
         for one in (truth, OTHER_FACE)
     )  # fmt: skip
+    pressure, power, heater, ambient = _run(rng, truth, 80)
+    resistance = _RESISTANCE * (1.0 + _PER_KELVIN * (heater - _AT))
+    current = np.sqrt(power / resistance)
+    rows = [
+        [f"{10.0 * row:.1f}", f"{p / TORR * 1e3:.5g}", f"{i * r:.6f}", f"{i * 1e3:.5f}",
+         f"{t - _ZERO:.3f}"]
+        for row, (p, i, r, t) in enumerate(zip(pressure, current, resistance, ambient, strict=True))
+    ]  # fmt: skip
+    header = ["time [s]", "pressure [mTorr]", "heater_voltage [V]", "heater_current [mA]",
+              "ambient_temperature [°C]"]  # fmt: skip
     celsius = np.array([20.0, 30.0, 40.0, 50.0, 60.0])
     ohms = _RESISTANCE * (1.0 + _PER_KELVIN * (celsius + _ZERO - _AT))
     calibration = [f"{t:.1f},{r:.5f}" for t, r in zip(celsius, ohms, strict=True)]
     head = [*lines, "temperature [°C],resistance [ohm]"]
     return {
-        "tac-raw.csv": _raw(rng, truth, lines),
+        "tac-raw.csv": faulty_table(lines, header, rows, rng),
         "tac-reduced.txt": _reduce(rng, truth, lines),
         "tac-resistance.csv": "\n".join([*head, *calibration]) + "\n",
         "tac-top.txt": _reduce(rng, truth, lines),
@@ -163,20 +173,6 @@ def _power(
     (lost,) = Kinetic(wall="maxwell").heat_loss(disk, state, (difference / ambient,))
     area = 0.25 * np.pi * LU2023_HEATER_DIAMETER**2
     return np.asarray(truth.area_ratio * (np.asarray(lost) + truth.offset * area * difference))
-
-
-def _raw(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
-    pressure, power, heater, ambient = _run(rng, truth, 80)
-    resistance = _RESISTANCE * (1.0 + _PER_KELVIN * (heater - _AT))
-    current = np.sqrt(power / resistance)
-    rows = [
-        [f"{10.0 * row:.1f}", f"{p / TORR * 1e3:.5g}", f"{i * r:.6f}", f"{i * 1e3:.5f}",
-         f"{t - _ZERO:.3f}"]
-        for row, (p, i, r, t) in enumerate(zip(pressure, current, resistance, ambient, strict=True))
-    ]  # fmt: skip
-    header = ["time [s]", "pressure [mTorr]", "heater_voltage [V]", "heater_current [mA]",
-              "ambient_temperature [°C]"]  # fmt: skip
-    return faulty_table(lines, header, rows, rng)
 
 
 def _reduce(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:

@@ -316,7 +316,17 @@ def _judge(
     readings: Readings, rows: np.ndarray, first: dict[str, Estimate], second: dict[str, Estimate]
 ) -> RadiativeProperties:
     method, light = readings.method, readings.method == LIGHT
-    warnings: list[str] = _outliers(readings, rows, first)
+    warnings: list[str] = []
+    if rows.shape[1] >= _FEWEST:
+        away = np.abs(rows - np.median(rows, axis=1, keepdims=True))
+        robust = _MAD * np.median(away, axis=1, keepdims=True)
+        spread = np.array([[one.uncertainty or 0.0] for one in first.values()])
+        far = np.flatnonzero((away > np.maximum(_WIDE * robust, _FAR * spread)).any(axis=0))
+        places = [readings.places[row] if readings.places else f"row {row + 1}" for row in far]
+        more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
+        if places:
+            shown = f"{', '.join(places[:_NAMED])}{more}"
+            warnings.append(f"{shown}: far from the other rows; check the readings")
     names, means = method.readings, readings.values.mean(axis=1)
     # what is most likely wrong with impossible readings
     hint = f"{names[1]} and {names[2]} together are more than {names[0]} can cause"
@@ -367,19 +377,6 @@ def _judge(
     )
     warnings += [*copies(*readings.values), *readings.warnings]
     return RadiativeProperties(readings, rows, by_slopes, by_draws, tuple(warnings))
-
-
-def _outliers(readings: Readings, rows: np.ndarray, first: Mapping[str, Estimate]) -> list[str]:
-    if rows.shape[1] < _FEWEST:
-        return []
-    away = np.abs(rows - np.median(rows, axis=1, keepdims=True))
-    robust = _MAD * np.median(away, axis=1, keepdims=True)
-    spread = np.array([[one.uncertainty or 0.0] for one in first.values()])
-    found = np.flatnonzero((away > np.maximum(_WIDE * robust, _FAR * spread)).any(axis=0))
-    names = [readings.places[row] if readings.places else f"row {row + 1}" for row in found]
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    said = f"{', '.join(names[:_NAMED])}{more}: far from the other rows; check the readings"
-    return [said] if names else []
 
 
 def _unstated(readings: Readings, one: Estimate) -> list[str]:

@@ -205,35 +205,30 @@ class MarsSection(PlanetSection):
 
     @pydantic.model_validator(mode="after")
     def _one_light(self) -> "MarsSection":
-        self._check_sun()
         pairs = [("irradiance", "solar_longitude"), ("incidence", "latitude")]
         if self.sun is not None:
             pairs = [(key, "sun") for key in _GIVEN_LIGHT]
-        for key, beside in pairs:
-            if getattr(self, beside) is not None and key in self.model_fields_set:
-                raise ConfigurationError(
-                    f"{key} has no effect beside {beside}, which decides it; remove one"
-                )
-        return self
-
-    def _check_sun(self) -> None:
-        missing = [key for key in _PLACE if getattr(self, key) is None]
-        if self.sun is not None:
-            if missing:
+            if missing := [key for key in _PLACE if getattr(self, key) is None]:
                 raise ConfigurationError(f"{_EPHEMERIS} needs {', '.join(missing)} as well")
             if self.default_infrared[1] is None and self.infrared_bottom is None:
                 raise ConfigurationError(
                     f"{_EPHEMERIS} needs a number for the heat radiation from below: "
                     "infrared_bottom"
                 )
-            return
-        for key in ("date", "longitude"):
-            if getattr(self, key) is not None:
-                raise ConfigurationError(f"{key} has no effect without {_EPHEMERIS}")
-        if self.latitude is not None and self.solar_longitude is None:
-            raise ConfigurationError("latitude needs solar_longitude for the height of the sun")
-        if self.latitude is None and "local_time" in self.model_fields_set:
-            raise ConfigurationError("local_time has no effect without latitude")
+        else:
+            for key in ("date", "longitude"):
+                if getattr(self, key) is not None:
+                    raise ConfigurationError(f"{key} has no effect without {_EPHEMERIS}")
+            if self.latitude is not None and self.solar_longitude is None:
+                raise ConfigurationError("latitude needs solar_longitude for the height of the sun")
+            if self.latitude is None and "local_time" in self.model_fields_set:
+                raise ConfigurationError("local_time has no effect without latitude")
+        for key, beside in pairs:
+            if getattr(self, beside) is not None and key in self.model_fields_set:
+                raise ConfigurationError(
+                    f"{key} has no effect beside {beside}, which decides it; remove one"
+                )
+        return self
 
     def reason_not_varied(self, name: str) -> str | None:
         """Season and hour decide the light where they are given."""

@@ -125,10 +125,32 @@ def read_fields(dataset: Any, *, air_only: bool = False) -> WindFields:
     if "temperature" in known and "w" in given and _is_omega(dataset["w"]):
         known["w"] = _OMEGA
     units = dict.fromkeys(given, "m/s") | known
-    found = {
-        name: _field(dataset, name, unit, order, sorting, missing=by_pressure)
-        for name, unit in units.items()
-    }
+    present = [dimension for dimension in order if dimension is not None]
+    missing_axes = tuple(axis for axis, dimension in enumerate(order) if dimension is None)
+    found = {}
+    for key, unit in units.items():
+        array, name = dataset[key], called(dataset[key])
+        if set(array.dims) != set(present):
+            raise ConfigurationError(
+                f"winds: {name} has other dimensions than {', '.join(present)}"
+            )
+        if unit != _OMEGA and _is_omega(array):
+            raise ConfigurationError(f"{_OF_OMEGA}; give the temperature too, or drop it")
+        values = _scale(array.transpose(*present), unit)
+        if unit == "m/s" and np.any(np.abs(values) > _FASTEST):
+            raise ConfigurationError(
+                f"winds: {name} reaches {np.nanmax(np.abs(values)):.3g} m/s, and no wind exceeds "
+                f"{_FASTEST:g} m/s: mark missing values by _FillValue, and check the units"
+            )
+        if unit == "K" and np.any(values < _COLDEST):
+            raise ConfigurationError(
+                f"winds: {name} falls to {np.nanmin(values):.3g} K, and no air is colder than "
+                f'{_COLDEST:g} K: if it is in °C, set dataset["{name}"].attrs["units"] = "degC"; '
+                "mark missing values by _FillValue"
+            )
+        if not by_pressure:
+            require_finite(values, name)
+        found[key] = np.expand_dims(values, missing_axes)[np.ix_(*sorting)]
     if {"geopotential", "height"} & {*known}:
         check_heights(dataset, axes[1], found)
     return WindFields(axes, by_pressure, order[-1] is None, found, units.get("w") == _OMEGA)
@@ -263,44 +285,6 @@ def _is_omega(array: Any) -> bool:
         return bool(scale_and_offset(unit_of(array), _OMEGA))
     except ConfigurationError:
         return False
-
-
-def _field(
-    dataset: Any,
-    name: str,
-    unit: str,
-    order: list[Any],
-    sorting: list[np.ndarray],
-    *,
-    missing: bool,
-) -> np.ndarray:
-    """Values of a variable, shape (t, z, y, x); ``missing``: whether some may be NaN."""
-    array = dataset[name]
-    present = [dimension for dimension in order if dimension is not None]
-    if set(array.dims) != set(present):
-        raise ConfigurationError(
-            f"winds: {called(array)} has other dimensions than {', '.join(present)}"
-        )
-    if unit != _OMEGA and _is_omega(array):
-        raise ConfigurationError(f"{_OF_OMEGA}; give the temperature too, or drop it")
-    values = _scale(array.transpose(*present), unit)
-    name = called(array)
-    if unit == "m/s" and np.any(np.abs(values) > _FASTEST):
-        raise ConfigurationError(
-            f"winds: {name} reaches {np.nanmax(np.abs(values)):.3g} m/s, and no wind exceeds "
-            f"{_FASTEST:g} m/s: mark missing values by _FillValue, and check the units"
-        )
-    if unit == "K" and np.any(values < _COLDEST):
-        raise ConfigurationError(
-            f"winds: {name} falls to {np.nanmin(values):.3g} K, and no air is colder than "
-            f'{_COLDEST:g} K: if it is in °C, set dataset["{name}"].attrs["units"] = "degC"; mark '
-            "missing values by _FillValue"
-        )
-    if not missing:
-        require_finite(values, name)
-    missing_axes = tuple(axis for axis, dimension in enumerate(order) if dimension is None)
-    values = np.expand_dims(values, missing_axes)
-    return values[np.ix_(*sorting)]
 
 
 def require_finite(values: np.ndarray, name: str) -> None:

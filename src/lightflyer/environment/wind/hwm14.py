@@ -126,7 +126,20 @@ def _velocity(wind: HWM14, altitude: Altitude, place: Place) -> Wind:
         terms += [xp.cos(harmonic * angle), xp.sin(harmonic * angle)]
     season = xp.stack(terms, axis=-1)
     local_time = _TURN * (time / _DAY + _NOON) + longitude
-    shapes = _shapes(latitude, longitude, local_time)
+    # Vector spherical harmonics (..., families, degrees, 4): the last axis is V cos, V sin, W sin,
+    # W cos of the family's phase; of the zonal mean it is the sine of the degree times the
+    # colatitude, and nothing.
+    sine = xp.sin(xp.arange(1, _DEGREE + 1) * (0.5 * np.pi - latitude[..., None]))
+    nothing = xp.zeros_like(sine)
+    families = [xp.stack([sine, nothing, nothing, nothing], axis=-1)]
+    phases = [(order, longitude) for order in range(1, _STATIONARY + 1)]
+    phases += [(order, local_time) for order in range(1, _MIGRATING + 1)]
+    for order, phase in phases:
+        slope, over_sine = _harmonics(xp.sin(latitude), xp.cos(latitude), order)
+        cosine, sine = (f(order * phase)[..., None] for f in (xp.cos, xp.sin))
+        parts = [slope * cosine, slope * sine, over_sine * sine, over_sine * cosine]
+        families.append(xp.stack(parts, axis=-1))
+    shapes = xp.stack(families, axis=-3)
     # products and sums: JAX's derivative of a contraction needs its switch for double precision
     amplitudes = xp.asarray(wind.pieces)[piece]
     amplitudes = xp.sum(amplitudes * powers[..., None, None, None, None, None], axis=-6)
@@ -134,24 +147,6 @@ def _velocity(wind: HWM14, altitude: Altitude, place: Place) -> Wind:
     winds = xp.sum(amplitudes * shapes[..., None], axis=(-4, -3, -2))
     east, north = winds[..., 0], winds[..., 1]
     return Wind(east, north, xp.zeros_like(east))
-
-
-def _shapes(latitude: Array, longitude: Array, local_time: Array) -> Array:
-    """Vector spherical harmonics, shape (..., families, degrees, 4)."""
-    # The last axis is V cos, V sin, W sin, W cos of the family's phase; of the zonal mean it is the
-    # sine of the degree times the colatitude, and nothing.
-    degree = xp.arange(1, _DEGREE + 1)
-    sine = xp.sin(degree * (0.5 * np.pi - latitude[..., None]))
-    nothing = xp.zeros_like(sine)
-    families = [xp.stack([sine, nothing, nothing, nothing], axis=-1)]
-    phases = [(order, longitude) for order in range(1, _STATIONARY + 1)]
-    phases += [(order, local_time) for order in range(1, _MIGRATING + 1)]
-    for order, angle in phases:
-        slope, over_sine = _harmonics(xp.sin(latitude), xp.cos(latitude), order)
-        cosine, sine = (f(order * angle)[..., None] for f in (xp.cos, xp.sin))
-        parts = [slope * cosine, slope * sine, over_sine * sine, over_sine * cosine]
-        families.append(xp.stack(parts, axis=-1))
-    return xp.stack(families, axis=-3)
 
 
 def _harmonics(x: Array, y: Array, order: int) -> tuple[Array, Array]:

@@ -102,14 +102,32 @@ class WindStore:
         there = {str(name) for file in files for name in file.data_vars}
         self.rises = "w" in there
         self._air = [name for name in PLACING if name in there][:1]
-        self._first_level = self._lowest_whole()
         times, levels, rows, columns = self._all
+        self._first_level = 0  # the lowest that no mountain reaches
+        for level in levels[:-_FEWEST_LEVELS]:
+            found = self._select((times[:1], range(level, level + 1), rows, columns))
+            if all(np.isfinite(field.values).all() for field in found.data_vars.values()):
+                self._first_level = level
+                break
         highest = self._fields((times[:1], levels[-_FEWEST_LEVELS:], rows[:2], columns))
         altitude, self.told = heights_of(highest)
         self.has_air = altitude is not None and "temperature" in there
         self.by_pressure = by_pressure and altitude is None
-        own = source[1][self._first_level :]
-        self.axes = [source[0], own if altitude is None else self._common_levels(), *source[2:]]
+        self.axes = [source[0], source[1][self._first_level :], *source[2:]]
+        if altitude is not None:
+            # our levels, between which all columns have data at all times: those of
+            # :func:`read_grid` for all files at once
+            levels = levels[self._first_level :]
+            blocks = [*self._heights(times[:1], levels)]
+            means = [block[0].mean(axis=(1, 2)) for block in blocks]
+            mean = np.average(means, axis=0, weights=[block.shape[2] for block in blocks])
+            # by temperature an altitude follows from all levels below
+            by_temperature = self._air == [PLACING[-1]]
+            ends = levels if by_temperature else levels[:: len(levels) - 1]
+            low, high = -np.inf, np.inf
+            for block in self._heights(times, ends):
+                low, high = max(low, block[:, 0].max()), min(high, block[:, -1].min())
+            self.axes[1] = new_levels(mean, float(low), float(high))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, WindStore) and self.key == other.key
@@ -261,49 +279,29 @@ class WindStore:
         for turn in range(columns[-1] // size + 1):
             first, last = max(columns[0] - turn * size, 0), min(columns[-1] + 1 - turn * size, size)
             if first < last:
-                one = self._load((*others, range(first, last)), air_only=air_only)  # type: ignore[arg-type]
+                nodes, parts = (*others, range(first, last)), []
+                for number, file in enumerate(self._files):
+                    places = {
+                        dimension: np.flatnonzero(
+                            np.isin(self._own[axis][number], self._source[axis][nodes[axis]])
+                        )
+                        for axis, dimension in enumerate(self._order)
+                        if dimension is not None
+                    }
+                    names = [name for name in file.data_vars if name in self._air or not air_only]
+                    if names and all(rows.size for rows in places.values()):
+                        in_one = {
+                            dimension: slice(int(rows[0]), int(rows[-1]) + 1)
+                            if rows[-1] - rows[0] + 1 == rows.size else rows
+                            for dimension, rows in places.items()
+                        }  # fmt: skip
+                        parts.append(file[names].isel(in_one))
+                one = load_parts(self.path, parts)
                 turned = (name, one[name].values + 360.0 * turn, one[name].attrs)
                 found.append(one.assign_coords({name: turned}))
         return found[0] if len(found) == 1 else xarray.concat(found, name)
 
-    def _load(self, ranges: _Ranges, *, air_only: bool) -> Any:
-        parts = []
-        for number, file in enumerate(self._files):
-            wanted = {
-                name: _rows_of(self._own[axis][number], self._source[axis][ranges[axis]])
-                for axis, name in enumerate(self._order)
-                if name is not None
-            }
-            names = [name for name in file.data_vars if name in self._air or not air_only]
-            if names and all(rows is not None for rows in wanted.values()):
-                parts.append(file[names].isel(wanted))
-        return load_parts(self.path, parts)
-
     # --- levels ---
-
-    def _lowest_whole(self) -> int:
-        """The lowest level that no mountain reaches."""
-        times, levels, rows, columns = self._all
-        for level in levels[:-_FEWEST_LEVELS]:
-            found = self._select((times[:1], range(level, level + 1), rows, columns))
-            if all(np.isfinite(field.values).all() for field in found.data_vars.values()):
-                return level
-        return 0
-
-    def _common_levels(self) -> np.ndarray:
-        """Our levels [m], between which all columns have data at all times."""
-        # those of :func:`read_grid` for all files at once
-        times, levels = self._all[0], self._all[1][self._first_level :]
-        blocks = [*self._heights(times[:1], levels)]
-        means = [block[0].mean(axis=(1, 2)) for block in blocks]
-        mean = np.average(means, axis=0, weights=[block.shape[2] for block in blocks])
-        # by temperature an altitude follows from all levels below
-        by_temperature = self._air == [PLACING[-1]]
-        ends = levels if by_temperature else levels[:: len(levels) - 1]
-        low, high = -np.inf, np.inf
-        for block in self._heights(times, ends):
-            low, high = max(low, block[:, 0].max()), min(high, block[:, -1].min())
-        return new_levels(mean, float(low), float(high))
 
     def _heights(self, times: range, levels: range) -> Iterator[np.ndarray]:
         """Altitudes of levels [m], shape (t, z, y, x): some parallels after the others."""
@@ -317,12 +315,3 @@ class WindStore:
                 altitude, _ = heights_of(self._fields(ranges, air_only=True))
                 assert altitude is not None
                 yield altitude
-
-
-def _rows_of(own: np.ndarray, wanted: np.ndarray) -> Any:
-    """Rows of a file that are wanted: a slice where they are one; None for none."""
-    rows = np.flatnonzero(np.isin(own, wanted))
-    if rows.size == 0:
-        return None
-    is_slice = rows[-1] - rows[0] + 1 == rows.size
-    return slice(int(rows[0]), int(rows[-1]) + 1) if is_slice else rows

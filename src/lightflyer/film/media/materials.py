@@ -7,7 +7,7 @@ that were extrapolated.
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -410,7 +410,36 @@ def _read_page(path: Path) -> Indices:
         raise ConfigurationError(f"{place}: cannot be read as YAML") from None
     except (ValueError, RecursionError):  # of scalars such as impossible dates
         raise ConfigurationError(f"{path}: cannot be read as YAML") from None
-    tables = dict(_tables(path, page))
+    entries = page.get("DATA") if isinstance(page, dict) else None
+    if not isinstance(entries, list):
+        raise ConfigurationError(f"{path}: is not a page of refractiveindex.info: it has no DATA")
+    tables: dict[str, np.ndarray] = {}  # of n, k or nk, wavelengths in metres
+    for entry in entries:
+        kind = str(entry.get("type", "")) if isinstance(entry, dict) else ""
+        first, _, name = kind.partition(" ")
+        if first != "tabulated" or name not in ("n", "k", "nk"):
+            continue
+        if name in tables:
+            raise ConfigurationError(f"{path}: holds two tables of {name}")
+        damaged = ConfigurationError(f"{path}: its table of {name} is damaged")
+        try:
+            lines = str(entry.get("data", "")).split("\n")
+            rows = np.array([line.split() for line in lines if line.strip()], float).T
+        except ValueError:
+            raise damaged from None
+        whole = rows.ndim == 2 and len(rows) == len(name) + 1 and rows.shape[1] > 1
+        if not (whole and np.isfinite(rows).all() and np.all(rows[0] > 0.0)):
+            raise damaged
+        rows[0] *= MICROMETRE
+        for letter, values in zip(name, rows[1:], strict=True):
+            if np.any(values < 0.0) or (letter == "n" and np.any(values == 0.0)):
+                raise ConfigurationError(f"{path}: its table of {name} has an impossible {letter}")
+        # by wavelength: published pages may be unsorted, and overlap where they were joined
+        distinct, which, count = np.unique(rows[0], return_inverse=True, return_counts=True)
+        means = np.array([np.bincount(which, values) / count for values in rows])
+        if np.any(np.abs(rows - means[:, which]) > _JOINED * means[:, which]):
+            raise ConfigurationError(f"{path}: its table of {name} has two values at a wavelength")
+        tables[name] = np.stack([distinct, *means[1:]])
     if "nk" in tables and len(tables) == 1:
         wavelength, n, k = tables["nk"]
         return wavelength, n, k
@@ -421,39 +450,3 @@ def _read_page(path: Path) -> Indices:
         f"{path}: holds no table of n and k; a page with a formula is known by its name, such as "
         '"main/SiO2/Malitson"'
     )
-
-
-def _tables(path: Path, page: object) -> Iterator[tuple[str, np.ndarray]]:
-    """Kind (n, k or nk) and columns of each table of a page, wavelengths in metres."""
-    entries = page.get("DATA") if isinstance(page, dict) else None
-    if not isinstance(entries, list):
-        raise ConfigurationError(f"{path}: is not a page of refractiveindex.info: it has no DATA")
-    seen = set()
-    for entry in entries:
-        kind = str(entry.get("type", "")) if isinstance(entry, dict) else ""
-        first, _, name = kind.partition(" ")
-        if first != "tabulated" or name not in ("n", "k", "nk"):
-            continue
-        if name in seen:
-            raise ConfigurationError(f"{path}: holds two tables of {name}")
-        seen.add(name)
-        try:
-            lines = str(entry.get("data", "")).split("\n")
-            rows = np.array([line.split() for line in lines if line.strip()], float).T
-        except ValueError:
-            raise ConfigurationError(f"{path}: its table of {name} is damaged") from None
-        whole = rows.ndim == 2 and len(rows) == len(name) + 1 and rows.shape[1] > 1
-        if not (whole and np.isfinite(rows).all()):
-            raise ConfigurationError(f"{path}: its table of {name} is damaged")
-        rows[0] *= MICROMETRE
-        if not np.all(rows[0] > 0.0):
-            raise ConfigurationError(f"{path}: its table of {name} is damaged")
-        for letter, values in zip(name, rows[1:], strict=True):
-            if np.any(values < 0.0) or (letter == "n" and np.any(values == 0.0)):
-                raise ConfigurationError(f"{path}: its table of {name} has an impossible {letter}")
-        # by wavelength: published pages may be unsorted, and overlap where they were joined
-        distinct, place, count = np.unique(rows[0], return_inverse=True, return_counts=True)
-        means = np.array([np.bincount(place, values) / count for values in rows])
-        if np.any(np.abs(rows - means[:, place]) > _JOINED * means[:, place]):
-            raise ConfigurationError(f"{path}: its table of {name} has two values at a wavelength")
-        yield name, np.stack([distinct, *means[1:]])

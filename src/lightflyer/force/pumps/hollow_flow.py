@@ -103,47 +103,6 @@ def _areas(flyer: HollowBody, corrections: Corrections) -> tuple[Numeric, Numeri
     return rounded * flyer.surface, rounded * flyer.outlet_area
 
 
-def _channels(
-    flyer: HollowBody,
-    state: EnvironmentState,
-    unknowns: tuple[Array, ...],
-    corrections: Corrections,
-) -> tuple[Array, Array]:
-    """Conductance [kg/(m² s Pa)] and stopping pressure [Pa] of an area of the wall."""
-    # the flow is conductance × (stopping pressure − pressure difference)
-    inner, outer = unknowns
-    mean = mean_temperature(state, unknowns)
-    constant, viscosity, at = _transport(state, mean, corrections)
-    speed = xp.sqrt(2.0 * constant * mean)
-    rarefaction = state.pressure * flyer.channel_width / (viscosity * xp.sqrt(2.0 * constant * at))
-    length = flyer.wall_thickness / flyer.channel_width
-    ended = length if corrections.short_channels else None
-    if corrections.channel_coefficients:
-        coefficients = channel_coefficients(SLOT, rarefaction, ended)
-    else:
-        coefficients = Coefficients(
-            published.poiseuille_coefficient(rarefaction),
-            published.creep_coefficient(rarefaction),
-        )
-    exponent = coefficients.creep / coefficients.poiseuille
-    if corrections.short_channels:
-        conductance = channel_conductance(
-            SLOT, rarefaction, length, flyer.open_fraction, coefficients
-        )
-        inner, outer = unknowns
-        straight = direct_share(SLOT, flyer.wall_thickness / flyer.channel_width)
-        # those that meet no other molecule on the way
-        path = mean_free_path(state.pressure, state.temperature, state.gas)
-        passing = flyer.open_fraction * straight / (1.0 + flyer.wall_thickness / path)
-        outside = share_at_wall(flyer, state) * ((1.0 - passing) * outer + passing * inner)
-        stopping = thermomolecular_pressure(exponent, state.pressure, inner, outside)
-    else:
-        conductance = coefficients.poiseuille / length
-        relative = (inner - outer) / (1.0 + 0.5 * (inner + outer))
-        stopping = exponent * state.pressure * relative
-    return flyer.open_fraction * conductance / speed, stopping
-
-
 def mean_temperature(state: EnvironmentState, unknowns: tuple[Array, ...]) -> Array:
     """Of both films [K]."""
     inner, outer = unknowns
@@ -189,9 +148,38 @@ def pump_flow(
     errors: Errors = EXACT,
 ) -> PumpFlow:
     """Flow through a hollow body whose films have given temperatures; of broadcast shape."""
-    inner, _ = unknowns
+    inner, outer = unknowns
     wall, outlet = _areas(flyer, corrections)
-    conductance, stopping = _channels(flyer, state, unknowns, corrections)
+    path = mean_free_path(state.pressure, state.temperature, state.gas)
+    # what flows through an area of the wall: conductance × (stopping − pressure difference)
+    mean = mean_temperature(state, unknowns)
+    constant, viscosity, at = _transport(state, mean, corrections)
+    speed = xp.sqrt(2.0 * constant * mean)
+    rarefaction = state.pressure * flyer.channel_width / (viscosity * xp.sqrt(2.0 * constant * at))
+    length = flyer.wall_thickness / flyer.channel_width
+    ended = length if corrections.short_channels else None
+    if corrections.channel_coefficients:
+        coefficients = channel_coefficients(SLOT, rarefaction, ended)
+    else:
+        coefficients = Coefficients(
+            published.poiseuille_coefficient(rarefaction),
+            published.creep_coefficient(rarefaction),
+        )
+    exponent = coefficients.creep / coefficients.poiseuille
+    if corrections.short_channels:
+        conductance = channel_conductance(
+            SLOT, rarefaction, length, flyer.open_fraction, coefficients
+        )
+        # those that meet no other molecule on the way
+        passing = flyer.open_fraction * direct_share(SLOT, length)
+        passing = passing / (1.0 + flyer.wall_thickness / path)
+        outside = share_at_wall(flyer, state) * ((1.0 - passing) * outer + passing * inner)
+        stopping = thermomolecular_pressure(exponent, state.pressure, inner, outside)
+    else:
+        conductance = coefficients.poiseuille / length
+        relative = (inner - outer) / (1.0 + 0.5 * (inner + outer))
+        stopping = exponent * state.pressure * relative
+    conductance = flyer.open_fraction * conductance / speed
     density = (
         state.gas.density(state.pressure, state.temperature)
         if corrections.gas_properties
@@ -205,7 +193,6 @@ def pump_flow(
     lifted: Numeric = 0.0
     if corrections.buoyant_flow:
         height = flyer.geometry.height(flyer.size, flyer.outlet_radius)
-        path = mean_free_path(state.pressure, state.temperature, state.gas)
         height = height / (1.0 + path / height)
         if flyer.attitude is not None:
             height = height * xp.cos(flyer.attitude.tilt)

@@ -96,7 +96,30 @@ class LinearSystem(FieldEquations):
         same, other = operators.own + operators.reflected, operators.other
         even = self._matrix(same + other)
         odd = self._matrix(same - other - 2.0 * open_fraction * operators.reflected)
-        self.unreflected, self.exchange = self._exchange()
+        # X₁ of a wall, and X₀ if any. Maxwell's X₁ replaces specular by diffuse reflection. Where
+        # all molecules are accommodated, X₀ replaces it by a diffuse one that keeps number and
+        # energy, and X₁ takes the energy away.
+        theta, (translation, rotation) = operators.face_theta, self._sources()
+        sigma = 2.0 * _SQRT_PI / np.sqrt(theta) * operators.fluxes[..., 0]
+        matrix = self._matrix(-operators.reflected.reshape(self.n, self.n, 6, 6))
+        matrix = matrix.reshape(self.n, self.fields, self.n, self.fields)
+        # diffuse reflection has the gas's temperature
+        matrix[:, :6] += np.einsum(
+            "iem,ejs,sf->imjf", operators.sigma, sigma, translation, optimize=True
+        )
+        self.exchange, self.unreflected = matrix.reshape(self.size, self.size), None
+        if wall != "maxwell":
+            # temperature of the molecules that arrive at the face, by fields, shape (e, n, fields)
+            fluxes = operators.fluxes[..., 2] - 2.0 * theta * operators.fluxes[..., 0]
+            arriving = fluxes @ translation
+            if gas.has_rotation:
+                turning = operators.fluxes[..., :3, 0].copy()
+                turning[..., 1:] *= operators.theta[:, None]
+                arriving += turning @ rotation
+            arriving = 2.0 * _SQRT_PI * np.sqrt(theta) / self._energy_modes * arriving
+            energy = np.einsum("iem,ejf->imjf", self._warmth, arriving, optimize=True)
+            energy = energy.reshape(self.size, self.size)
+            self.unreflected, self.exchange = self.exchange + energy, -energy
         met = self.accommodated * self.exchange
         if self.unreflected is not None:
             met += (1.0 - open_fraction) * self.unreflected
@@ -109,35 +132,6 @@ class LinearSystem(FieldEquations):
     def _beyond(self) -> np.ndarray:
         """Fields seen beyond the disk, mirrored."""
         return self._matrix(self.operators.reflected)
-
-    def _exchange(self) -> tuple[np.ndarray | None, np.ndarray]:
-        """X₀, if there is any, and X₁ of a wall."""
-        # Maxwell's X₁ replaces specular by diffuse reflection. Where all molecules are
-        # accommodated, X₀ replaces it by a diffuse one that keeps number and energy, and X₁ takes
-        # the energy away.
-        operators, theta = self.operators, self.operators.face_theta
-        translation, rotation = self._sources()
-        sigma = 2.0 * _SQRT_PI / np.sqrt(theta) * operators.fluxes[..., 0]
-        rows = -operators.reflected.reshape(self.n, self.n, 6, 6)
-        matrix = self._matrix(rows).reshape(self.n, self.fields, self.n, self.fields)
-        # diffuse reflection has the gas's temperature
-        matrix[:, :6] += np.einsum(
-            "iem,ejs,sf->imjf", operators.sigma, sigma, translation, optimize=True
-        )
-        diffuse = matrix.reshape(self.size, self.size)
-        if self.wall == "maxwell":
-            return None, diffuse
-        # temperature of the molecules that arrive at the face, by fields, shape (e, n, fields)
-        fluxes = operators.fluxes[..., 2] - 2.0 * theta * operators.fluxes[..., 0]
-        arriving = fluxes @ translation
-        if self.gas.has_rotation:
-            turning = operators.fluxes[..., :3, 0].copy()
-            turning[..., 1:] *= operators.theta[:, None]
-            arriving += turning @ rotation
-        arriving = 2.0 * _SQRT_PI * np.sqrt(theta) / self._energy_modes * arriving
-        energy = np.einsum("iem,ejf->imjf", self._warmth, arriving, optimize=True)
-        energy = energy.reshape(self.size, self.size)
-        return diffuse + energy, -energy
 
     @cached_property
     def _warmth(self) -> np.ndarray:

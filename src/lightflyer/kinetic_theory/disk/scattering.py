@@ -225,26 +225,21 @@ class ScatteringSystem(FieldEquations):
             for sign, fields in zip((1.0, -1.0), self.fields_of, strict=True)
         )
         fields = np.stack([e + o, e - o])
-        return fields, [
-            self._face_result(faces[k], fields[k], leaving[k], arrived[k]) for k in (0, 1)
-        ]
-
-    def _face_result(
-        self, face: Scattering, fields: np.ndarray, leaving: np.ndarray, arrived: np.ndarray
-    ) -> FaceResult:
-        """Normal pressure on a face and heat flux out of it."""
-        modes = self.rows.modes
-        shape = self._parts, len(modes), -1
-        left, come = leaving.reshape(shape), arrived.reshape(shape)
+        modes, results = self.rows.modes, []
         momentum = np.array([mode.momentum for mode in modes])
-        recoil = momentum @ left[0] + 2.0 * face.velocity
-        pressure = recoil / (2.0 * _SQRT_PI) + self.arriving_fluxes(fields)[:, 1]
         normal, tangential = modes.index(NORMAL_ENERGY), modes.index(TANGENTIAL_ENERGY)
-        # the face runs into what arrives
-        gained = come[0, normal] + 2.0 * face.velocity * momentum[normal] - left[0, normal]
-        gained = gained + come[0, tangential] - left[0, tangential]
-        if self.gas.has_rotation:
-            number = modes.index(NUMBER)
-            gained = gained + left[1, number] - come[1, number]
-        solid = 1.0 - self.open_fraction
-        return FaceResult(2.0 * solid * pressure, solid * gained / (2.0 * _SQRT_PI))
+        for face, around, left, come in zip(
+            faces, fields,
+            *(part.reshape(2, self._parts, len(modes), -1) for part in (leaving, arrived)),
+            strict=True,
+        ):  # fmt: skip
+            recoil = momentum @ left[0] + 2.0 * face.velocity
+            pressure = recoil / (2.0 * _SQRT_PI) + self.arriving_fluxes(around)[:, 1]
+            # the face runs into what arrives
+            gained = come[0, normal] + 2.0 * face.velocity * momentum[normal] - left[0, normal]
+            gained = gained + come[0, tangential] - left[0, tangential]
+            if self.gas.has_rotation:
+                number = modes.index(NUMBER)
+                gained = gained + left[1, number] - come[1, number]
+            results.append(FaceResult(2.0 * solid * pressure, solid * gained / (2.0 * _SQRT_PI)))
+        return fields, results

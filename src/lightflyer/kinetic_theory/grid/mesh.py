@@ -178,17 +178,6 @@ def _outwards(inner: float, far: float, refinement: float) -> list[float]:
     return list(inner * (far / inner) ** (np.arange(1, steps + 1) / steps))
 
 
-def _shares_to_cylinder(depth: float, refinement: float) -> np.ndarray:
-    """Ends of the panels next to a cylinder, as shares of the way to it."""
-    # They get thinner towards the reservoir, so that the last panel sees it; ``depth`` is their
-    # total optical depth.
-    width, left = min(1.0, _RESERVOIR_LAYER / (depth * refinement)), [0.0]
-    while left[-1] + width < 0.6:
-        left.append(left[-1] + width)
-        width *= _RESERVOIR_GROWTH
-    return 1.0 - np.array(left[::-1])
-
-
 def build_mesh(
     rarefaction: float,
     *,
@@ -208,7 +197,14 @@ def build_mesh(
         kinds += [INVERSE] * len(outer)
         near += outer
     if np.isfinite(boundary):
-        shares = _shares_to_cylinder(rarefaction * (boundary - far), refinement)
+        # ends of the panels next to the cylinder, as shares of the way to it: they get thinner
+        # towards the reservoir, so that the last panel sees it
+        depth, left = rarefaction * (boundary - far), [0.0]
+        width = min(1.0, _RESERVOIR_LAYER / (depth * refinement))
+        while left[-1] + width < 0.6:
+            left.append(left[-1] + width)
+            width *= _RESERVOIR_GROWTH
+        shares = 1.0 - np.array(left[::-1])
         xi_edges = [*near, *(BEYOND * boundary + shares)]
         kinds += [CYLINDER] * len(shares)
     else:

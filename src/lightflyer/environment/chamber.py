@@ -44,12 +44,7 @@ from lightflyer.core.quantity import (
 )
 from lightflyer.core.text import span
 from lightflyer.core.units import Measured
-from lightflyer.environment.base import (
-    AbstractEnvironment,
-    Coordinate,
-    EnvironmentState,
-    Place,
-)
+from lightflyer.environment.base import AbstractEnvironment, Coordinate, EnvironmentState, Place
 from lightflyer.environment.radiation import Radiation
 from lightflyer.environment.section import EnvironmentSection
 from lightflyer.gas.air import AIR

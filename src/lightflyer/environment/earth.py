@@ -31,9 +31,7 @@ from lightflyer.environment.light.sky import Daylight
 from lightflyer.environment.light.sun import EarthSun
 from lightflyer.environment.planet import EARTH_PLANET, Planet
 from lightflyer.environment.planetary import Planetary, PlanetSection
-from lightflyer.environment.radiation import (
-    Radiation,
-)
+from lightflyer.environment.radiation import Radiation
 from lightflyer.environment.wind.base import AbstractWind
 from lightflyer.environment.wind.section import WindSection
 from lightflyer.gas.air import AIR, LU2023_AIR

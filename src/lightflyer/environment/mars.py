@@ -24,11 +24,7 @@ from lightflyer.core.quantity import (
     TemperatureOffset,
 )
 from lightflyer.core.units import Measured
-from lightflyer.environment.atmosphere.mars import (
-    MOLAR_MASS,
-    SURFACE_PRESSURE,
-    MarsAtmosphere,
-)
+from lightflyer.environment.atmosphere.mars import MOLAR_MASS, SURFACE_PRESSURE, MarsAtmosphere
 from lightflyer.environment.base import AbstractAtmosphere, Place
 from lightflyer.environment.light.ground import UniformGround
 from lightflyer.environment.light.mars import (

@@ -87,10 +87,7 @@ class Planetary(AbstractEnvironment):
     @property
     def coordinate(self) -> Coordinate:
         """Geometric altitude, over the atmosphere's range."""
-        return altitude_coordinate(
-            self.atmosphere.altitude_range,
-            self.planet.highest_searched,
-        )
+        return altitude_coordinate(self.atmosphere.altitude_range, self.planet.highest_searched)
 
     def assumptions(self) -> tuple[str, ...]:
         return self.assumptions_of_light() + self.assumptions_of_air()

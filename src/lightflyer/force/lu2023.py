@@ -36,10 +36,7 @@ _FITTED_C_FM, _FITTED_C_CONT = 0.4, 3.0  # below [Lu2023] Eq. (18)
 # 0.56, half of each on either film, which leaves four degrees of freedom), at 1.15 g/m²
 _SCATTER = 0.3
 _FITTED_DIAMETERS = Validity(
-    "the diameter [m]",
-    0.02,
-    0.04,
-    "c_fm and c_cont of lu2023 were fitted to disks of 2 to 4 cm",
+    "the diameter [m]", 0.02, 0.04, "c_fm and c_cont of lu2023 were fitted to disks of 2 to 4 cm"
 )
 _FITTED_WARMER = Validity(
     "T_h/T_c", 1.0, math.inf, "c_fm and c_cont of lu2023 were fitted to films warmer than the gas"

@@ -156,10 +156,7 @@ class Argon(AbstractReferenceGas):
         terms=((-0.4320, 0.77),),
     )
     correlations: ClassVar[Correlations] = Correlations(
-        transport.viscosity,
-        transport.conductivity,
-        _ATOMS,
-        ends=(80.0, 1500.0),
+        transport.viscosity, transport.conductivity, _ATOMS, ends=(80.0, 1500.0)
     )
 
     specific_gas_constant: Numeric = GAS_CONSTANT / transport.molar_mass
@@ -226,10 +223,7 @@ class Helium(AbstractReferenceGas):
         terms=(-4.1249, 12.451, -295.67),
     )
     correlations: ClassVar[Correlations] = Correlations(
-        transport.viscosity,
-        transport.conductivity,
-        _ATOMS,
-        ends=(80.0, 1500.0),
+        transport.viscosity, transport.conductivity, _ATOMS, ends=(80.0, 1500.0)
     )
 
     specific_gas_constant: Numeric = GAS_CONSTANT / transport.molar_mass
@@ -250,9 +244,5 @@ CARBON_DIOXIDES: dict[str, AbstractGas] = {
 }
 """Those of Mars."""
 
-GASES: dict[str, AbstractGas] = {
-    **AIRS,
-    **{gas.name: gas for gas in PURE_GASES},
-    **CARBON_DIOXIDES,
-}
+GASES: dict[str, AbstractGas] = {**AIRS, **{gas.name: gas for gas in PURE_GASES}, **CARBON_DIOXIDES}
 """All, as a chamber may hold them; a plug-in adds its own."""

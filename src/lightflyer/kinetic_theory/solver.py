@@ -13,12 +13,7 @@ from lightflyer.core.extras import extra
 from lightflyer.core.progress import report
 from lightflyer.core.quantity import HIGHEST_OPEN_FRACTION
 from lightflyer.kinetic_theory.model_gases import gas_model
-from lightflyer.kinetic_theory.walls import (
-    CERCIGNANI_LAMPIS,
-    WALLS,
-    Accommodation,
-    walls_of,
-)
+from lightflyer.kinetic_theory.walls import CERCIGNANI_LAMPIS, WALLS, Accommodation, walls_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -316,10 +311,7 @@ def _molecule(
 ) -> "Molecule | None":
     """Molecules of the real collision operator, or none for the model equation."""
     if collisions == "shakhov":
-        for name, value in (
-            ("viscosity_exponent", exponent),
-            ("collision_number", number),
-        ):
+        for name, value in (("viscosity_exponent", exponent), ("collision_number", number)):
             if value is not None:
                 raise ParameterError(f'{name} belongs to collisions = "vhs"')
         return None
@@ -357,10 +349,7 @@ def describe_faces(faces: "tuple[Accommodation, ...] | None") -> dict[str, Any]:
     if faces is None:
         return {}
     _, tangential, rotational = (list(values) for values in zip(*faces, strict=True))
-    return {
-        "tangential_accommodation": tangential,
-        "rotational_accommodation": rotational,
-    }
+    return {"tangential_accommodation": tangential, "rotational_accommodation": rotational}
 
 
 def ratios(

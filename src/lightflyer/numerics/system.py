@@ -143,10 +143,7 @@ class SafeNewton:
     careful_steps: int = MAXIMUM_STEPS  # Bounds on the steps of each search
 
     def search(
-        self,
-        function: Callable[..., Unknowns],
-        start: Unknowns,
-        parameters: tuple[Any, ...] = (),
+        self, function: Callable[..., Unknowns], start: Unknowns, parameters: tuple[Any, ...] = ()
     ) -> tuple[Unknowns, RootOutcome]:
         """Roots of all elements, or the best points of those that have not ended."""
         shape = start[0].shape

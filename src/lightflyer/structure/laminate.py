@@ -12,14 +12,7 @@ from typing import NamedTuple
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module, field, short_repr
 from lightflyer.core.entry_point import entry_point
-from lightflyer.core.quantity import (
-    Checked,
-    Expansion,
-    Modulus,
-    PoissonRatio,
-    Stress,
-    Thickness,
-)
+from lightflyer.core.quantity import Checked, Expansion, Modulus, PoissonRatio, Stress, Thickness
 
 _ALIKE, _APART = -1.2, -1.77  # powers of the solid share, of stresses alike and apart
 

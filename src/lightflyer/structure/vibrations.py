@@ -91,11 +91,7 @@ def sphere_frequency(
 
 @entry_point
 def open_sphere_frequency(
-    radius: Numeric,
-    opening: Numeric,
-    areal_density: Numeric,
-    plate: Numeric,
-    poisson: Numeric,
+    radius: Numeric, opening: Numeric, areal_density: Numeric, plate: Numeric, poisson: Numeric
 ) -> Array:
     r"""Lowest frequency of a sphere with a round opening, which bends without stretching [Hz].
 

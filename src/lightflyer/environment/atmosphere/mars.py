@@ -11,12 +11,7 @@ from lightflyer.array.records import field
 from lightflyer.core import constants
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
-from lightflyer.core.quantity import (
-    Altitude,
-    Checked,
-    Pressure,
-    TemperatureOffset,
-)
+from lightflyer.core.quantity import Altitude, Checked, Pressure, TemperatureOffset
 from lightflyer.core.text import span
 from lightflyer.environment.base import AbstractAtmosphere, Place
 from lightflyer.environment.planet import MARS_PLANET

@@ -348,9 +348,7 @@ class GlobalNRLMSIS(AbstractAtmosphere):
             self.coefficients, (self.latitudes, self.altitudes), (place.latitude, altitude)
         )
         terms = _basis(
-            _TURN * place.time / TROPICAL_YEAR,
-            _TURN * (place.time / _DAY + _NOON),
-            place.longitude,
+            _TURN * place.time / TROPICAL_YEAR, _TURN * (place.time / _DAY + _NOON), place.longitude
         )
         temperature, log_pressure, ratio = xp.moveaxis(
             xp.sum(found * terms[..., None, :], axis=-1), -1, 0

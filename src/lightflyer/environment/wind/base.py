@@ -10,12 +10,7 @@ from lightflyer.array.namespace import Numeric, call, xp
 from lightflyer.array.records import Module
 from lightflyer.core.checks import is_traced, require_data
 from lightflyer.core.entry_point import entry_point
-from lightflyer.core.quantity import (
-    Altitude,
-    Checked,
-    WindSpeed,
-    require_record,
-)
+from lightflyer.core.quantity import Altitude, Checked, WindSpeed, require_record
 from lightflyer.core.text import span
 from lightflyer.environment.base import AbstractAtmosphere, Place, Wind
 

@@ -116,9 +116,7 @@ class DataWindSection(WindSection):
         return path
 
     def build_horizontal(
-        self,
-        atmosphere: AbstractAtmosphere,
-        indices: SolarActivity | None,
+        self, atmosphere: AbstractAtmosphere, indices: SolarActivity | None
     ) -> AbstractWind:
         data = GriddedWind(_grid(self.file), atmosphere, air=self.air != "atmosphere")
         if self.air == "data" and not data.has_air:

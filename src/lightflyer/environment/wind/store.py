@@ -30,12 +30,7 @@ from lightflyer.environment.wind.dataset import (
     winds_on,
 )
 from lightflyer.environment.wind.heights import new_levels
-from lightflyer.environment.wind.layouts import (
-    load_parts,
-    one_version,
-    open_parts,
-    weather_files,
-)
+from lightflyer.environment.wind.layouts import load_parts, one_version, open_parts, weather_files
 from lightflyer.numerics.interpolation import Axis
 
 KEPT = 2_500_000  # Most points of a variable of files that are in memory as a whole

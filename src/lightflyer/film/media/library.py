@@ -18,12 +18,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.extras import load_plugins
 from lightflyer.core.units import Measured
 from lightflyer.film.media.compound import Shape, maxwell_garnett
-from lightflyer.film.media.database import (
-    SITE,
-    database_page,
-    looks_like_page,
-    page_material,
-)
+from lightflyer.film.media.database import SITE, database_page, looks_like_page, page_material
 from lightflyer.film.media.materials import Material, Segment, material_from_csv, names_file, vacuum
 from lightflyer.film.media.medium import MICROMETRE, Extrapolation, Medium
 

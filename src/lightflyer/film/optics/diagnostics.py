@@ -220,8 +220,7 @@ def sheet_error(film: Film) -> float | None:
     wavelength = np.geomspace(shortest, longest, _SHEET_WAVELENGTHS)
     finer = [
         dataclasses.replace(
-            layer,
-            material=dataclasses.replace(layer.material, count=2 * layer.material.count),
+            layer, material=dataclasses.replace(layer.material, count=2 * layer.material.count)
         )
         if isinstance(layer.material, Graded)
         else layer

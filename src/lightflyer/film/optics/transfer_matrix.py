@@ -14,14 +14,7 @@ import numpy as np
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module, field
 from lightflyer.core.entry_point import entry_point
-from lightflyer.film.optics.waves import (
-    Beam,
-    Fields,
-    HalfSpace,
-    Sheets,
-    net_power,
-    respond,
-)
+from lightflyer.film.optics.waves import Beam, Fields, HalfSpace, Sheets, net_power, respond
 from lightflyer.numerics.special import imaginary, magnitude, real
 
 

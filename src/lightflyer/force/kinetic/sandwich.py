@@ -14,11 +14,7 @@ from lightflyer.environment.base import EnvironmentState
 from lightflyer.flyer.base import AbstractFlyer
 from lightflyer.flyer.sandwich import Sandwich
 from lightflyer.force.fitted import GASES
-from lightflyer.force.kinetic.collisions import (
-    Collisions,
-    HeatedGas,
-    with_collisions,
-)
+from lightflyer.force.kinetic.collisions import Collisions, HeatedGas, with_collisions
 from lightflyer.force.kinetic.disk import HELD, WALL, viscosity_exponent
 from lightflyer.force.kinetic.sandwich_table import (
     HIGHEST_OPEN_FRACTION,

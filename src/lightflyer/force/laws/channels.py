@@ -141,10 +141,7 @@ def _slot_curves() -> Curves:
     table = channel_table()
     slipping = table["slot_poiseuille"] - SLOT.viscous * table["rarefaction"] - _SLIP
     paths = np.stack(
-        [
-            np.expm1(_ROOT_PI * slipping),
-            np.expm1(_ROOT_PI / _FREE_EXPONENT * table["slot_creep"]),
-        ]
+        [np.expm1(_ROOT_PI * slipping), np.expm1(_ROOT_PI / _FREE_EXPONENT * table["slot_creep"])]
     )
     return _curves(table["rarefaction"], 1.0 / (table["rarefaction"] * paths))
 

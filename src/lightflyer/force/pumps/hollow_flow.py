@@ -162,8 +162,7 @@ def pump_flow(
         coefficients = channel_coefficients(SLOT, rarefaction, ended)
     else:
         coefficients = Coefficients(
-            published.poiseuille_coefficient(rarefaction),
-            published.creep_coefficient(rarefaction),
+            published.poiseuille_coefficient(rarefaction), published.creep_coefficient(rarefaction)
         )
     exponent = coefficients.creep / coefficients.poiseuille
     if corrections.short_channels:

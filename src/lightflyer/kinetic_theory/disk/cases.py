@@ -19,11 +19,7 @@ from lightflyer.core.errors import ConvergenceError
 from lightflyer.kinetic_theory.disk.linear import FaceResult, FaceWalls, LinearSystem, face_result
 from lightflyer.kinetic_theory.disk.nonlinear import FixedPoint, HotDisk, NonlinearProblem, iterate
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble, kernel_arguments
-from lightflyer.kinetic_theory.disk.scattering import (
-    Scattering,
-    ScatteringSystem,
-    assemble_modes,
-)
+from lightflyer.kinetic_theory.disk.scattering import Scattering, ScatteringSystem, assemble_modes
 from lightflyer.kinetic_theory.grid.interpolation import bases_at, interpolate, nodes_in_eta
 from lightflyer.kinetic_theory.grid.kernels import kernel
 from lightflyer.kinetic_theory.grid.mesh import Mesh, build_mesh
@@ -128,10 +124,7 @@ class DiskOutcome:
 
 
 def solve_case(
-    case: Case,
-    resolution: Resolution,
-    *,
-    start: np.ndarray | None = None,
+    case: Case, resolution: Resolution, *, start: np.ndarray | None = None
 ) -> DiskOutcome:
     """Solve a case on one mesh."""
     mesh = resolution.mesh(case.rarefaction, case.boundary)

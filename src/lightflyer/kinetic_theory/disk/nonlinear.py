@@ -240,12 +240,7 @@ class NonlinearProblem:
         system = LinearSystem(about, gas, self.system.mean_tac, disk.open_fraction, disk.wall)
         self.factors = system.factors
 
-    def solve(
-        self,
-        disk: HotDisk,
-        start: np.ndarray,
-        tolerance: float,
-    ) -> tuple[np.ndarray, int]:
+    def solve(self, disk: HotDisk, start: np.ndarray, tolerance: float) -> tuple[np.ndarray, int]:
         """Iterate to a fixed point; returns ``fields`` (2, n, fields), ``iterations``."""
         problem = FixedPoint(
             lambda fields: self.evaluate(fields, disk) - fields,

@@ -179,11 +179,7 @@ def _outwards(inner: float, far: float, refinement: float) -> list[float]:
 
 
 def build_mesh(
-    rarefaction: float,
-    *,
-    boundary: float = np.inf,
-    order: int = 4,
-    refinement: float = 1.0,
+    rarefaction: float, *, boundary: float = np.inf, order: int = 4, refinement: float = 1.0
 ) -> Mesh:
     """Mesh for a rarefaction, with panels as thin as the Knudsen layer needs."""
     layer = min(1.0, 1.5 / rarefaction)

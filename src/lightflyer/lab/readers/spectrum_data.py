@@ -16,12 +16,7 @@ from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers import formats, jasco, jcamp_dx, spc, vendors
 from lightflyer.lab.readers.interpretation import PER_CENTIMETRE as PER_CENTIMETRE
 from lightflyer.lab.readers.interpretation import MeasuredSpectrum as MeasuredSpectrum
-from lightflyer.lab.readers.interpretation import (
-    ReadOptions,
-    interpret_spectrum,
-    readable,
-    shows,
-)
+from lightflyer.lab.readers.interpretation import ReadOptions, interpret_spectrum, readable, shows
 
 SPECTRUM_FORMATS = [
     formats.Format(vendors.OPUS, formats.starts_with(vendors.OPUS_MAGIC), vendors.read_opus),

@@ -117,7 +117,8 @@ def fit_walls(table: dict[str, np.ndarray], gas: str, maxwell: SandwichFit) -> S
     rarefaction, variables = table["rarefaction"], tuple(table[name] for name in names)
     ends, tac = ends_of(rarefaction), mean_tac(table, gas)
     share = (1.0 - table["open_fraction"]) * tac
-    ratio = maxwell.ratios(rarefaction, table["open_fraction"], tac, share, 1.0).force
+    ratios = sandwich_table.Ratios(maxwell, rarefaction, table["open_fraction"], tac, share, 1.0)
+    ratio = ratios.force
     dense = sandwich_table.denseness(rarefaction)
     powers = [
         (place, *others)

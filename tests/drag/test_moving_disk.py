@@ -5,13 +5,14 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from drag.hot_disk import hot_disk_drag
 
 import lightflyer as lf
 from lightflyer.core.errors import ParameterError
 from lightflyer.drag import free_molecular
 from lightflyer.drag.disk import dense_share
 from lightflyer.kinetic_theory.disk import cases
-from lightflyer.kinetic_theory.disk.cases import COARSE, Case, Resolution, hot_disk_drag, solve_case
+from lightflyer.kinetic_theory.disk.cases import COARSE, Case, Resolution, solve_case
 from lightflyer.kinetic_theory.disk.operators import Quadrature
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC, GasModel
 from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes

@@ -153,8 +153,8 @@ def test_fit_follows_the_table(gas):
     table = table_of("kinetic_sandwich", gas)
     kept = (table.rarefaction <= 35.0) & (table.open_fraction <= 0.95)
     share = (1.0 - table.open_fraction) * table.tac
-    found = tables.sandwich_fit(gas).ratios(
-        table.rarefaction, table.open_fraction, table.tac, share, 1.0
+    found = tables.Ratios(
+        tables.sandwich_fit(gas), table.rarefaction, table.open_fraction, table.tac, share, 1.0
     )
     for name, most in (
         ("force", 4e-3), ("tac_force", 1.4e-2), ("heat", 6e-3), ("heat_difference", 8e-3)
@@ -171,7 +171,7 @@ def test_fit_predicts_rows_it_was_not_shown():
     kept = ~rows & (table.rarefaction <= 20.0)
     delta, tac = table.rarefaction[kept], table.tac[kept]
     fit = sandwich.fit(kinetic_fit("diatomic"), some(table, rows), *rest)
-    found = fit.ratios(delta, 0.4, tac, 0.6 * tac, 1.0)
+    found = tables.Ratios(fit, delta, 0.4, tac, 0.6 * tac, 1.0)
     assert np.asarray(found.force) == pytest.approx(table.force_ratio[kept], rel=5e-3)
     assert np.asarray(found.tac_force) == pytest.approx(table.tac_force_ratio[kept], rel=1.5e-2)
     assert np.asarray(found.heat) == pytest.approx(table.heat_ratio[kept], rel=5e-3)

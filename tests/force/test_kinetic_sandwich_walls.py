@@ -89,7 +89,7 @@ def test_fit_predicts_walls_it_has_not_seen(gas):
         kinds = 3 if gas == "diatomic" else 2
         tac = sum(faces[:kinds]) / kinds
         place = here["rarefaction"], here["open_fraction"]
-        maxwell = sandwich_fit(gas).ratios(*place, tac, (1.0 - place[1]) * tac, 1.0).force
+        maxwell = walls.Ratios(sandwich_fit(gas), *place, tac, (1.0 - place[1]) * tac, 1.0).force
         found = np.asarray((faces.normal + fit.added(*place, faces)) * maxwell)
     off = np.abs(found / here["force"] - 1.0)
     assert off[here["rarefaction"] < 5.0].max() < 0.01

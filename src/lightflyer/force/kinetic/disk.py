@@ -24,6 +24,7 @@ from lightflyer.force.kinetic.chamber import (
     chamber_of,
     push_of_floor,
     reservoir,
+    resistance_ratio,
 )
 from lightflyer.force.kinetic.collisions import (
     FORCE_HEATED,
@@ -110,8 +111,8 @@ class KineticDisk(AbstractWalled):
         resisting = (_kind(state.gas), knudsen, ratio)
         ratio = kinetic_walls.heat_ratio(flyer, excess, resisting, self.walls)
         if self.film_balance == "local":
-            kept_shares = local_balance_fit().kept_shares(flyer, state, excess, knudsen, ratio)
-            ratio = ratio * kept_shares.heat
+            _, share = local_balance_fit().kept_shares(flyer, state, excess, knudsen, ratio)
+            ratio = ratio * share
         if self.heat_error is not None:
             own = heat_error(fit.table_errors(knudsen)[1], ratio, self.collisions)
             if around.heat_error:
@@ -130,7 +131,7 @@ class KineticDisk(AbstractWalled):
         around: ChamberEffect,
     ) -> Numeric:
         """Heat loss over that of free molecules, at Maxwell walls in a gas of the table [1]."""
-        ratio = around.heat_ratio(fit.heat_ratio(knudsen, *place))
+        ratio = resistance_ratio(fit.heat_ratio(knudsen, *place), around.heat_kept)
         if self.collisions == "shakhov":
             return ratio
         return with_collisions(ratio, _heated_gas(state, place).heat_factor(knudsen, place[1]))
@@ -140,7 +141,7 @@ class KineticDisk(AbstractWalled):
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         place = _place(flyer, state, excess)
         around = _around(fit, knudsen, flyer, state, excess)
-        ratio = around.force_ratio(fit.force_ratio(knudsen, *place))
+        ratio = resistance_ratio(fit.force_ratio(knudsen, *place), around.force_kept)
         if self.collisions == "vhs":
             factor = _heated_gas(state, place).force_factor(knudsen, place[1])
             ratio = with_collisions(ratio, factor)
@@ -152,8 +153,8 @@ class KineticDisk(AbstractWalled):
         resisting = (_kind(state.gas), knudsen, ratio)
         found = kinetic_walls.force(flyer, state, excess, resisting, self.walls)
         if local:
-            fit_of_film = local_balance_fit()
-            found = found * fit_of_film.kept_shares(flyer, state, excess, knudsen, heat).force
+            share, _ = local_balance_fit().kept_shares(flyer, state, excess, knudsen, heat)
+            found = found * share
         push = around.push(flyer, state, excess)
         if self.force_error is not None:
             heated = FORCE_HEATED.logarithm(_kind(state.gas), place[0], place[-1])

@@ -298,13 +298,6 @@ FILM_OF_DIATOMIC = "what a film's local balance of heat does is taken from a dia
 _HELD = "the table of films that balance their heat locally ends there, and what it says is held"
 
 
-class RemainingShares(NamedTuple):
-    """Factors of force and heat loss at the same mean temperature [1]."""
-
-    force: Numeric
-    heat: Numeric
-
-
 @dataclass(frozen=True)
 class LocalBalanceFit:
     """Shares that a film loses as smooth functions."""
@@ -325,14 +318,14 @@ class LocalBalanceFit:
         excess: Numeric,
         knudsen: Numeric,
         heat_ratio: Numeric,
-    ) -> RemainingShares:
-        """What is kept of the isothermal film's force and heat loss."""
+    ) -> tuple[Numeric, Numeric]:
+        """What is kept of an isothermal film's force and heat loss at the same mean temperature."""
         share = gas_share(disk, state, excess, heat_ratio)
         evened = share / (share + (1.0 - share) * knudsen / (knudsen + _KNUDSEN_0))
         scale = evened * xp.exp(-_HEATING_EXPONENT * xp.maximum(heating_of(1.0 + excess), 0.0))
         place = thinness(knudsen, self.knudsen_range)
         force, heat = (xp.exp(polynomial(own, place)) for own in (self.force, self.heat))
-        return RemainingShares(1.0 - scale * force, 1.0 - scale * heat)
+        return 1.0 - scale * force, 1.0 - scale * heat
 
 
 def gas_share(disk: Disk, state: EnvironmentState, excess: Numeric, heat_ratio: Numeric) -> Array:

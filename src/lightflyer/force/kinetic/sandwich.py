@@ -18,6 +18,7 @@ from lightflyer.force.kinetic.collisions import Collisions, HeatedGas, with_coll
 from lightflyer.force.kinetic.disk import HELD, WALL, viscosity_exponent
 from lightflyer.force.kinetic.sandwich_table import (
     HIGHEST_OPEN_FRACTION,
+    Ratios,
     SandwichFit,
     force_factors,
     near_walls,
@@ -117,7 +118,7 @@ class KineticSandwich(AbstractWalled):
         fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
         mean = 1.0 + 0.5 * (unknowns[0] + unknowns[1])
         exponent = viscosity_exponent(state.gas, state.temperature, mean)
-        at = fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, mean, exponent)
+        at = Ratios(fit, delta, passed.open_fraction, passed.tac, passed.even, mean, exponent)
         found = [getattr(at, name) for name in _RATIOS[which]]
         taken: Numeric = at.force_growth if which is _FORCE else 1.0
         if self.collisions == "vhs":
@@ -176,7 +177,7 @@ def _effect_of_heating(
     """Relative change of force or heat by heating at most, where its table does not reach [1]."""
     fit, delta = sandwich_fit(state.gas.molecules), rarefaction_of(flyer, state)
     hot, cold = (
-        fit.ratios(delta, passed.open_fraction, passed.tac, passed.even, ratio)
+        Ratios(fit, delta, passed.open_fraction, passed.tac, passed.even, ratio)
         for ratio in (temperature / state.temperature, 1.0)
     )
     changes = [

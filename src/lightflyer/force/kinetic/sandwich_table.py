@@ -126,19 +126,6 @@ class SandwichFit:
     force_error: tuple[float, ...]
     heat_error: tuple[float, ...]
 
-    def ratios(
-        self,
-        rarefaction: Numeric,
-        open_fraction: Numeric,
-        tac: Numeric,
-        share: Numeric,
-        temperature_ratio: Numeric,
-        viscosity_exponent: Numeric | None = None,
-    ) -> "Ratios":
-        r"""Force and heat over their free-molecular values."""
-        at = rarefaction, open_fraction, tac, share, temperature_ratio, viscosity_exponent
-        return Ratios(self, *at)
-
     def relative_force_error(self, rarefaction: Numeric, force_ratio: Numeric) -> Array:
         """Relative standard error of the force: the table's and the equation's [1]."""
         # That of the equation stays for molecules, too: around holes they have not been compared.
@@ -186,7 +173,7 @@ class Ratios:
     tac: Numeric
     share: Numeric
     temperature_ratio: Numeric
-    viscosity_exponent: Numeric | None
+    viscosity_exponent: Numeric | None = None
 
     @cached_property
     def force_growth(self) -> Array:

@@ -102,7 +102,7 @@ def measure(place: Place) -> dict[str, float]:
 
 def warm_floor(system: ChamberSystem) -> np.ndarray:
     """Right-hand side of a cold disk above a floor that is warmer by one unit."""
-    right, (_, (_, flat)) = np.zeros(system.layout.size), system.surface_masks(1)
+    right, (_, (_, _, flat)) = np.zeros(system.layout.size), system.surface_masks(1)
     right[system.layout.wall_temperature(1)][flat] = 1.0
     return right
 

@@ -354,28 +354,26 @@ class LayerSection(NamedSection, of=Layer):
         elif self.dispersion is not None and self.porosity is None:
             found = self.dispersion.medium(self._names[0], policy)
         else:
-            found = self._mixture(policy)
+            if self.parts is not None:
+                parts = sorted(self.parts, key=lambda part: part.fraction is not None)
+                media = tuple(named_medium(part.material, policy, part.density) for part in parts)
+                fractions = [(part.fraction, part.fraction_bottom) for part in parts[1:]]
+            else:
+                solid = (
+                    named_medium(str(self.material), policy, None)
+                    if self.dispersion is None
+                    else self.dispersion.medium(self._names[0], policy)
+                )
+                media, fractions = (solid, vacuum()), [(self.porosity, self.porosity_bottom)]
+            law: dict[str, Any] = {
+                "rule": Rule(self.rule),
+                "shape": Shape(self.shape),
+                "grain": None if self.grain is None else float(self.grain.value),
+            }
+            top = tuple(one.value for one, _ in fractions if one is not None)
+            if any(end for _, end in fractions):
+                bottom = tuple((end or one).value for one, end in fractions if one is not None)
+                found = Graded(media, top, bottom, **law, count=self.sheets)
+            else:
+                found = Mixture(media, top, **law)
         return found if self.density is None else found.with_density(self.density.value)
-
-    def _mixture(self, policy: Extrapolation) -> Medium:
-        if self.parts is not None:
-            parts = sorted(self.parts, key=lambda part: part.fraction is not None)
-            media = tuple(named_medium(part.material, policy, part.density) for part in parts)
-            fractions = [(part.fraction, part.fraction_bottom) for part in parts[1:]]
-        else:
-            solid = (
-                named_medium(str(self.material), policy, None)
-                if self.dispersion is None
-                else self.dispersion.medium(self._names[0], policy)
-            )
-            media, fractions = (solid, vacuum()), [(self.porosity, self.porosity_bottom)]
-        law: dict[str, Any] = {
-            "rule": Rule(self.rule),
-            "shape": Shape(self.shape),
-            "grain": None if self.grain is None else float(self.grain.value),
-        }
-        top = tuple(one.value for one, _ in fractions if one is not None)
-        if not any(end for _, end in fractions):
-            return Mixture(media, top, **law)
-        bottom = tuple((end or one).value for one, end in fractions if one is not None)
-        return Graded(media, top, bottom, **law, count=self.sheets)

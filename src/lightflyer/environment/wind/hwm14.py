@@ -87,9 +87,21 @@ class HWM14(AbstractWind):
     heights: Any
 
     def __init__(self, path: str | Path):
-        knots, levels = _read(Path(path))
         from scipy.interpolate import BSpline
 
+        try:
+            content = Path(path).read_bytes()
+        except OSError as error:
+            raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
+        is_model = len(content) == _FILE.itemsize
+        if is_model:
+            (file,) = np.frombuffer(content, _FILE)
+            orders = file["levels"]["order"][:, : len(_ORDER)]
+            is_model = np.array_equal(file["head"], _HEAD) and bool(np.all(orders == _ORDER))
+        if not is_model:
+            raise ConfigurationError(f"{path}: is not the file hwm123114.bin of HWM14")
+        knots = file["knots"]  # [km]
+        levels = np.array([_amplitudes(row) for row in file["levels"]["amplitudes"]])  # [m/s]
         metres = _METRES_PER_KILOMETRE * knots[: len(levels) + _CUBIC + 1]
         spline = BSpline(metres, levels, _CUBIC)
         heights = metres[_CUBIC : _CUBIC + _REGULAR + 1]
@@ -171,22 +183,6 @@ def _harmonics(x: Array, y: Array, order: int) -> tuple[Array, Array]:
         lag = np.sqrt((2 * n + 3) * (n**2 - order**2) / ((2 * n - 1) * gap))
         before, now = now, forward * x * now - lag * before
     return xp.stack(slopes, axis=-1), xp.stack(quotients, axis=-1)
-
-
-def _read(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Knots [km] and amplitudes, shape (levels, families, seasons, degrees, 4, 2) [m/s]."""
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(content) == _FILE.itemsize:
-        (file,) = np.frombuffer(content, _FILE)
-        orders = file["levels"]["order"][:, : len(_ORDER)]
-        if np.array_equal(file["head"], _HEAD) and np.all(orders == _ORDER):
-            return file["knots"], np.array(
-                [_amplitudes(row) for row in file["levels"]["amplitudes"]]
-            )
-    raise ConfigurationError(f"{path}: is not the file hwm123114.bin of HWM14")
 
 
 def _amplitudes(values: np.ndarray) -> np.ndarray:

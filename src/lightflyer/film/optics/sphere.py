@@ -17,7 +17,7 @@ from lightflyer.core.checks import is_traced, require_positive, require_range
 from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Length, Quantity
-from lightflyer.files.table import Table, read_table
+from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.film.media.medium import Medium
 from lightflyer.film.optics.averages import (
@@ -421,7 +421,25 @@ def read_absorbed_powers(
         raise ParameterError("propagation has three numbers, such as (0, 0, 1)")
     require_positive(length_of_propagation=np.linalg.norm(direction))
     tables = [read_table(path, _COLUMNS, strict=True) for path in paths]
-    grids = [_grid(table) for table in tables]
+    grids = []  # whole numbers of steps from one corner, shape (points, 3) each
+    for table in tables:
+        places = np.stack([table.numbers[name] for name in "xyz"], axis=1)
+        places = places - places.min(axis=0)
+        gaps = np.diff(np.sort(places, axis=0), axis=0)
+        step = np.min(gaps[gaps > _ROUNDED * np.max(gaps, initial=0.0)], initial=np.inf)
+        whole = np.rint(places / step)
+        if np.isinf(step) or np.any(np.abs(places / step - whole) > _ROUNDED):
+            raise ConfigurationError(
+                f"{table.source}: its points are not those of a cubic grid; write one row for each "
+                "cell of a grid with equal steps, as adda -store_int_field does"
+            )
+        _, first = np.unique(whole, axis=0, return_index=True)
+        if first.size < len(whole):
+            line = table.lines[np.setdiff1d(np.arange(len(whole)), first)[0]]
+            raise ConfigurationError(f"{table.source}:{line}: repeats the point of another line")
+        if not np.any(table.numbers["q"] > 0.0):
+            raise ConfigurationError(f"{table.source}: no point absorbs anything")
+        grids.append(whole)
     order = [np.lexsort(grid.T) for grid in grids]
     points = grids[0][order[0]]
     for path, grid, one in zip(paths[1:], grids[1:], order[1:], strict=True):
@@ -431,24 +449,3 @@ def read_absorbed_powers(
     power = np.sum(powers, axis=0)
     position = points - points.mean(axis=0)
     return AbsorbedPowers(position, power / power.sum(), direction / np.linalg.norm(direction))
-
-
-def _grid(table: Table) -> np.ndarray:
-    """Whole numbers of grid steps from one corner, shape (points, 3)."""
-    places = np.stack([table.numbers[name] for name in "xyz"], axis=1)
-    places = places - places.min(axis=0)
-    gaps = np.diff(np.sort(places, axis=0), axis=0)
-    step = np.min(gaps[gaps > _ROUNDED * np.max(gaps, initial=0.0)], initial=np.inf)
-    whole = np.rint(places / step)
-    if np.isinf(step) or np.any(np.abs(places / step - whole) > _ROUNDED):
-        raise ConfigurationError(
-            f"{table.source}: its points are not those of a cubic grid; write one row for each "
-            "cell of a grid with equal steps, as adda -store_int_field does"
-        )
-    _, first = np.unique(whole, axis=0, return_index=True)
-    if first.size < len(whole):
-        line = table.lines[np.setdiff1d(np.arange(len(whole)), first)[0]]
-        raise ConfigurationError(f"{table.source}:{line}: repeats the point of another line")
-    if not np.any(table.numbers["q"] > 0.0):
-        raise ConfigurationError(f"{table.source}: no point absorbs anything")
-    return np.asarray(whole)

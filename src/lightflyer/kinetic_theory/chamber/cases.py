@@ -137,7 +137,7 @@ class HotChamber:
             at_walls[:, :3] *= system.wall_scales[half]
             sigma, warmth = x[layout.wall_sigma(half)], x[layout.wall_temperature(half)]
             new_sigma, new_warmth = np.zeros_like(sigma), np.zeros_like(warmth)
-            for surface, mask in system.surface_masks(half):
+            for _, surface, mask in system.surface_masks(half):
                 if surface.solid:
                     hot, met = 1.0 + surface.temperature, at_walls[mask]
                     warm = diffuse_emission(met, surface.tac, hot, "accommodated", rotates)[1]

@@ -111,13 +111,13 @@ class ChamberSystem:
         """Energy per arriving molecule [kT]."""
         return 3.0 if self.gas.has_rotation else 2.0
 
-    def surface_masks(self, half: int) -> list[tuple[Surface, np.ndarray]]:
-        """Side wall and lid or floor of a half, with their nodes."""
+    def surface_masks(self, half: int) -> list[tuple[str, Surface, np.ndarray]]:
+        """Name of side wall and lid or floor of a half, with their nodes."""
         if self.chamber is None:
             return []
         flat = self.halves[half].rim.is_flat
-        end = self.chamber.lid if half == 0 else self.chamber.floor
-        return [(self.chamber.side, ~flat), (end, flat)]
+        name, end = ("lid", self.chamber.lid) if half == 0 else ("floor", self.chamber.floor)
+        return [("side", self.chamber.side, ~flat), (name, end, flat)]
 
     # ------------------------------------------------------------------ functionals
 
@@ -244,7 +244,7 @@ class ChamberSystem:
                 right[warm] = kept * (self._warmth(moved) + run_into)
             arriving, moved = self.wall_arrivals[half]
             sigma, emitted = layout.wall_sigma(half), layout.wall_temperature(half)
-            for surface, mask in self.surface_masks(half):
+            for _, surface, mask in self.surface_masks(half):
                 if surface.solid:
                     at = np.arange(sigma.start, sigma.stop)[mask]
                     matrix[at] -= 2.0 * _SQRT_PI * arriving[mask, NUMBER]
@@ -340,8 +340,7 @@ class ChamberSystem:
             if not self.film.local:
                 right[layout.film(half)] = faces[half]
             emitted = right[layout.wall_temperature(half)]
-            names = ("side", "lid" if half == 0 else "floor")
-            for name, (surface, mask) in zip(names, self.surface_masks(half), strict=False):
+            for name, surface, mask in self.surface_masks(half):
                 if surface.solid:
                     emitted[mask] = surface.tac * surfaces.get(name, 0.0)
         if self.film.local:
@@ -376,8 +375,7 @@ class ChamberSystem:
         """Add forces, heats and molecules of the walls of a half to totals, by name."""
         axial, recoil, heat, sent = fluxes
         rim, sign = self.halves[half].rim, 1.0 if half == 0 else -1.0
-        names = ("side", "lid" if half == 0 else "floor")
-        for (_, mask), name in zip(self.surface_masks(half), names, strict=False):
+        for name, _, mask in self.surface_masks(half):
             # molecules leave a side wall with no axial momentum
             force = sign * (2.0 * axial + np.where(rim.is_flat, recoil, 0.0))
             for total, values in (

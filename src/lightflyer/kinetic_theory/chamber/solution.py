@@ -297,18 +297,13 @@ def solve_in_chamber(
                 f"largest resolved at knudsen = {knudsen:g}"
             )
     extra("numba", "the kinetic solver", "kinetic")
-    from lightflyer.kinetic_theory.chamber.cases import ChamberCase
+    from lightflyer.kinetic_theory.chamber.cases import ChamberCase, meshes, solve_chamber_case
 
     face = Film(
         tacs, pair, known, local, float(radiation), absorbed=absorbed, scattering=scattering
     )
     rarefaction = float(np.sqrt(np.pi) / (4.0 * knudsen))
-    return _solve(ChamberCase(rarefaction, face, model, chamber, linear), knudsen)
-
-
-def _solve(case: "ChamberCase", knudsen: float) -> ChamberSolution:
-    from lightflyer.kinetic_theory.chamber.cases import meshes, solve_chamber_case
-
+    case = ChamberCase(rarefaction, face, model, chamber, linear)
     began = time.perf_counter()
     report("solving the kinetic equation (compiled once, at its first use)")
     fine, coarse = (solve_chamber_case(case, mesh) for mesh in meshes(linear=case.linear))
@@ -324,8 +319,8 @@ def _solve(case: "ChamberCase", knudsen: float) -> ChamberSolution:
             "heat": sum(heats) / sum(map(abs, heats)),
         }
     for name in ("force", "heat"):
-        error, value = errors[name], found[name]
-        if error is not None and value is not None and error > _LARGE_ERROR * abs(value):
+        error, whole = errors[name], found[name]
+        if error is not None and whole is not None and error > _LARGE_ERROR * abs(whole):
             said.append(
                 f"{name} changes by {error:.1e} with the mesh, more than "
                 f"{100.0 * _LARGE_ERROR:g} % of its value"

@@ -113,12 +113,6 @@ class CollisionOperator:
     def _turning(self, degree: int) -> tuple[int, ...]:
         return self.moments.turning(degree) if self.molecule.rotates else ()
 
-    @property
-    def heat_conductivity(self) -> float:
-        """Thermal conductivity over viscosity and gas constant, κ/(μR)."""
-        functions = {1: -2.5, 3: 1.0}
-        return 2.0 * self._response(1, functions) / 3.0
-
     def _gain(self, degree: int) -> np.ndarray:
         """⟨φ K φ⟩ of the powers with a degree [p/μ]."""
         moments = self.moments.powers(degree)

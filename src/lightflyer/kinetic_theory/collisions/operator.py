@@ -88,27 +88,22 @@ class CollisionOperator:
         change = self.orthonormal(degree)
         gain = change @ self._gain(degree) @ change.T
         gain = 0.5 * (gain + gain.T)
-        for invariant in self._invariants(degree):
+        # number, momentum or energy on the orthonormal functions
+        invariants = [np.eye(len(gain))[0]] if degree < 2 else []
+        if degree == 0:
+            # c² is the second power; a molecule's rotation has its energy as well
+            of_powers = np.linalg.inv(change)
+            energy = of_powers[1]
+            if self.molecule.rotates:
+                energy = energy + of_powers[self.moments.translation[0]]
+            energy = energy - energy[0] * invariants[0]
+            invariants.append(energy / np.linalg.norm(energy))
+        for invariant in invariants:
             part = invariant @ gain
             whole = part @ invariant
             gain += np.outer(invariant, invariant) * (1.0 + whole)
             gain -= np.outer(invariant, part) + np.outer(part, invariant)
         return np.asarray(gain)
-
-    def _invariants(self, degree: int) -> list[np.ndarray]:
-        """Number, momentum or energy on the orthonormal functions of a degree."""
-        if degree > 1:
-            return []
-        size = len(self.weights(degree))
-        first = np.eye(size)[0]
-        if degree == 1:
-            return [first]
-        # c² is the second power; a molecule's rotation has its energy as well
-        energy = np.linalg.inv(self.orthonormal(0))[1]
-        if self.molecule.rotates:
-            energy = energy + np.linalg.inv(self.orthonormal(0))[self.moments.translation[0]]
-        energy = energy - energy[0] * first
-        return [first, energy / np.linalg.norm(energy)]
 
     def _turning(self, degree: int) -> tuple[int, ...]:
         return self.moments.turning(degree) if self.molecule.rotates else ()

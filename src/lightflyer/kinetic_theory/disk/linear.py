@@ -165,28 +165,22 @@ class LinearSystem(FieldEquations):
         """Share of the molecules meeting a face that leaves it diffusely [1]."""
         return tac if self.wall == "maxwell" else 1.0
 
-    def _emission(self, temperature: float, velocity: float, tac: float) -> np.ndarray:
-        """Emission of a solid face by its temperature and velocity, shape (n · fields,)."""
-        operators, diffuse = self.operators, self.diffuse_share(tac)
-        nothing = np.zeros((operators.sigma.shape[1], 4))
-        leaving = self.emitted_temperature(tac, temperature, velocity, nothing)
-        emitted = diffuse * np.einsum("ief,e->if", self._warmth, leaving)
-        emitted[:, :6] += (4.0 - 2.0 * diffuse) * velocity * operators.velocity
-        emitted[:, :6] += diffuse * _SQRT_PI * velocity * operators.sigma.sum(axis=1)
-        return emitted.ravel()
-
     def solve(self, walls: FaceWalls) -> tuple[np.ndarray, int]:
         """Fields of the upper and the mirrored lower half; returns ``fields``, ``iterations``."""
         top, bottom = walls.tac
         mean, half = 0.5 * (top + bottom), 0.5 * walls.solid * (top - bottom)
         shift = walls.solid * mean - self.accommodated
         opened = walls.open_fraction - self.open_fraction
-        emission = [
-            walls.solid * self._emission(temperature, velocity, tac)
-            for tac, temperature, velocity in zip(
-                walls.tac, walls.temperature, (walls.velocity, -walls.velocity), strict=True
-            )
-        ]
+        operators, emission = self.operators, []  # of each face, by temperature and velocity
+        for tac, temperature, velocity in zip(
+            walls.tac, walls.temperature, (walls.velocity, -walls.velocity), strict=True
+        ):
+            diffuse, nothing = self.diffuse_share(tac), np.zeros((operators.sigma.shape[1], 4))
+            leaving = self.emitted_temperature(tac, temperature, velocity, nothing)
+            emitted = diffuse * np.einsum("ief,e->if", self._warmth, leaving)
+            emitted[:, :6] += (4.0 - 2.0 * diffuse) * velocity * operators.velocity
+            emitted[:, :6] += diffuse * _SQRT_PI * velocity * operators.sigma.sum(axis=1)
+            emission.append(walls.solid * emitted.ravel())
         even = 0.5 * (emission[0] + emission[1])
         odd = 0.5 * (emission[0] - emission[1])
 

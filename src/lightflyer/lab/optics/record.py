@@ -156,7 +156,18 @@ def diagnose(
 ) -> Iterator[str]:
     """Warnings of a fit, one line each; ``correlation`` (free, free)."""
     names = list(numbers)
-    yield from _about_bounds(sample, numbers, open_ends)
+    for free in sample.free:
+        low, high = numbers[free.name].interval
+        if high - low > _FLAT * (free.highest - free.lowest):
+            yield f"{free.name} is not determined: its interval is nearly all between its bounds"
+        elif any(open_ends[free.name]):
+            named = (("lower", free.lowest), ("upper", free.highest))
+            ends = " and ".join(
+                f"{name} bound {amount_text(end, free.unit)}"
+                for (name, end), is_open in zip(named, open_ends[free.name], strict=True)
+                if is_open
+            )
+            yield f"the interval of {free.name} ends at its {ends}, not by the spectra"
     for i in range(len(names)):
         for j in range(i):
             if abs(correlation[i, j]) > TIED:
@@ -196,24 +207,6 @@ def diagnose(
     yield from dict.fromkeys(text for medium in film.media for text in medium.diagnostics)
     for one in sample.spectra:
         yield from (f"{one.spectrum.source}: {note}" for note in one.spectrum.notes)
-
-
-def _about_bounds(
-    sample: OpticsSample, numbers: Mapping[str, Estimate],
-    open_ends: Mapping[str, tuple[bool, bool]],
-) -> Iterator[str]:  # fmt: skip
-    for one in sample.free:
-        low, high = numbers[one.name].interval
-        if high - low > _FLAT * (one.highest - one.lowest):
-            yield f"{one.name} is not determined: its interval is nearly all between its bounds"
-        elif any(open_ends[one.name]):
-            named = (("lower", one.lowest), ("upper", one.highest))
-            ends = " and ".join(
-                f"{name} bound {amount_text(end, one.unit)}"
-                for (name, end), is_open in zip(named, open_ends[one.name], strict=True)
-                if is_open
-            )
-            yield f"the interval of {one.name} ends at its {ends}, not by the spectra"
 
 
 def _about_residuals(sample: OpticsSample, fit: FilmFit) -> Iterator[str]:

@@ -46,7 +46,19 @@ class Sampled(Module):
     def of(cls, film: Film, grid: Grid, points: int) -> "Sampled":
         """The points of a fine grid that matter most, with the weights of those between them."""
         n, k = film.index(grid.wavelength)
-        chosen = _choose(n, k, grid, points)
+        chosen = np.arange(grid.wavelength.size)
+        if chosen.size > points:
+            # dense where the means have their weight and where indices change
+            power = grid.mean_weight.mean(axis=0)
+            power = 0.5 * (power[1:] + power[:-1])
+            permittivity = (n + 1j * k) ** 2
+            change = np.abs(np.diff(permittivity, axis=1)) / (1.0 + np.abs(permittivity[:, 1:]))
+            by_index, by_power = np.sqrt(power * change).sum(axis=0), np.sqrt(power)
+            density = _BY_POWER * _share(by_power) + _EVENLY * _share(np.ones(power.size))
+            density += _BY_INDEX * _share(by_index)
+            along = np.concatenate([[0.0], np.cumsum(density)])
+            places = np.interp(np.linspace(0.0, along[-1], points), along, np.arange(along.size))
+            chosen = np.unique(np.round(places).astype(int))
         left = np.searchsorted(chosen, np.arange(grid.wavelength.size), side="right") - 1
         left = np.minimum(left, chosen.size - 2)
         ends = grid.wavelength[chosen]
@@ -136,22 +148,6 @@ def _shares(
 
 def _curve(values: Array) -> EmittanceCurve:
     return EmittanceCurve.through(xp.maximum(values, _LEAST_EMITTANCE))
-
-
-def _choose(n: np.ndarray, k: np.ndarray, grid: Grid, points: int) -> np.ndarray:
-    """Places in a fine grid, dense where the means have their weight and where indices change."""
-    if grid.wavelength.size <= points:
-        return np.arange(grid.wavelength.size)
-    power = grid.mean_weight.mean(axis=0)
-    power = 0.5 * (power[1:] + power[:-1])
-    permittivity = (n + 1j * k) ** 2
-    change = np.abs(np.diff(permittivity, axis=1)) / (1.0 + np.abs(permittivity[:, 1:]))
-    by_index, by_power = np.sqrt(power * change).sum(axis=0), np.sqrt(power)
-    density = _BY_POWER * _share(by_power) + _EVENLY * _share(np.ones(power.size))
-    density += _BY_INDEX * _share(by_index)
-    along = np.concatenate([[0.0], np.cumsum(density)])
-    places = np.interp(np.linspace(0.0, along[-1], points), along, np.arange(along.size))
-    return np.unique(np.round(places).astype(int))
 
 
 def _share(values: np.ndarray) -> np.ndarray:

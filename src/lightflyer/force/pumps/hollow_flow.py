@@ -185,7 +185,17 @@ def pump_flow(
         else state.pressure / (published.DENSITY_CONSTANT * state.temperature)
     )
     jet_density = density / (1.0 + inner) if corrections.jet_density else density
-    resistance, held = _outlet(flyer, state, inner, jet_density, corrections)
+    # resistance of body and outlet to slow gas [Pa s/m], and pressure without flow [Pa]
+    resistance, held = 0.0, 0.0
+    if corrections.viscous_outlet:
+        constant, viscosity, at = _transport(state, state.temperature * (1.0 + inner), corrections)
+        speed = xp.sqrt(2.0 * constant * at)
+        rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
+        exponent = _outlet_exponent(flyer, state, corrections)
+        held = thermomolecular_pressure(exponent, state.pressure, inner, 0.0)
+        way = flyer.geometry.passage(flyer.size, flyer.outlet_radius)
+        way = way / channel_coefficients(ROUND, rarefaction, way).poiseuille
+        resistance = jet_density * speed * (entrance_resistance(ROUND, rarefaction) + way)
     resistance = errors.outlet * resistance
     # how much the pressure within, over that outside, grows over half of the height: not where
     # molecules fly from wall to wall
@@ -212,28 +222,6 @@ def pump_flow(
     both = most > mean
     exchange = wall * xp.where(both, (most - mean) ** 2 / (4.0 * xp.where(both, most, 1.0)), 0.0)
     return PumpFlow(velocity, wall_velocity, pressure, jet_density, exchange)
-
-
-def _outlet(
-    flyer: HollowBody,
-    state: EnvironmentState,
-    inner: Array,
-    density: Array,
-    corrections: Corrections,
-) -> tuple[Numeric, Numeric]:
-    """Resistance of body and outlet to slow gas [Pa s/m], and pressure without flow [Pa]."""
-    if not corrections.viscous_outlet:
-        return 0.0, 0.0
-    hot = state.temperature * (1.0 + inner)
-    constant, viscosity, at = _transport(state, hot, corrections)
-    speed = xp.sqrt(2.0 * constant * at)
-    rarefaction = state.pressure * flyer.outlet_radius / (viscosity * speed)
-    held = thermomolecular_pressure(
-        _outlet_exponent(flyer, state, corrections), state.pressure, inner, 0.0
-    )
-    way = flyer.geometry.passage(flyer.size, flyer.outlet_radius)
-    tube = channel_coefficients(ROUND, rarefaction, way).poiseuille
-    return density * speed * (entrance_resistance(ROUND, rarefaction) + way / tube), held
 
 
 def _outlet_exponent(flyer: HollowBody, state: EnvironmentState, corrections: Corrections) -> Array:

@@ -17,7 +17,6 @@ from lightflyer.force.kinetic.chamber import (
     PUSH_ERROR,
     SurfaceDistances,
     chamber_fit,
-    resistance_ratio,
 )
 
 RADIUS = 0.01
@@ -47,8 +46,7 @@ def misfits(fit, table):
     opened = 0.5, table["open_heat_ratio"]
     with float64():
         walls = fit.walls(table["knudsen"], place, opened, 0.85)
-        kept = walls.force_kept, walls.heat_kept
-        factors = [resistance_ratio(*both) / both[0] for both in zip(opened, kept, strict=True)]
+        factors = walls.force_ratio(opened[0]) / opened[0], walls.heat_ratio(opened[1]) / opened[1]
         force, heat, lift = map(np.asarray, (*factors, walls.lift))
     return {
         "force": force / table["force_factor"] - 1.0,

@@ -114,6 +114,14 @@ class ChamberEffect(NamedTuple):
     force_error: Numeric = 0.0
     heat_error: Numeric = 0.0
 
+    def force_ratio(self, opened: Numeric) -> Numeric:
+        """Force over that of free molecules [1]; ``opened``: in open space."""
+        return resistance_ratio(opened, self.force_kept)
+
+    def heat_ratio(self, opened: Numeric) -> Numeric:
+        """Heat over that of free molecules [1]; ``opened``: in open space."""
+        return resistance_ratio(opened, self.heat_kept)
+
     def push(self, disk: Disk, state: EnvironmentState, excess: Numeric) -> Numeric:
         """Push on a disk of like faces [N]; ``excess``: T_h/T_c − 1."""
         # From small to large temperature differences it grows as the recoil of molecules does, with

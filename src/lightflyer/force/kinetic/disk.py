@@ -24,7 +24,6 @@ from lightflyer.force.kinetic.chamber import (
     chamber_of,
     push_of_floor,
     reservoir,
-    resistance_ratio,
 )
 from lightflyer.force.kinetic.collisions import (
     FORCE_HEATED,
@@ -131,7 +130,7 @@ class KineticDisk(AbstractWalled):
         around: ChamberEffect,
     ) -> Numeric:
         """Heat loss over that of free molecules, at Maxwell walls in a gas of the table [1]."""
-        ratio = resistance_ratio(fit.heat_ratio(knudsen, *place), around.heat_kept)
+        ratio = around.heat_ratio(fit.heat_ratio(knudsen, *place))
         if self.collisions == "shakhov":
             return ratio
         return with_collisions(ratio, _heated_gas(state, place).heat_factor(knudsen, place[1]))
@@ -141,7 +140,7 @@ class KineticDisk(AbstractWalled):
         fit, knudsen = _fit_and_knudsen_number(flyer, state)
         place = _place(flyer, state, excess)
         around = _around(fit, knudsen, flyer, state, excess)
-        ratio = resistance_ratio(fit.force_ratio(knudsen, *place), around.force_kept)
+        ratio = around.force_ratio(fit.force_ratio(knudsen, *place))
         if self.collisions == "vhs":
             factor = _heated_gas(state, place).force_factor(knudsen, place[1])
             ratio = with_collisions(ratio, factor)

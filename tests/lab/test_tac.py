@@ -49,7 +49,7 @@ def independent_run(count, noise=0.0, rng=None, reported=False, lowest=1e-4, hig
 def one_law(request, monkeypatch):
     """Coefficients by other laws are asked for by a fixture only: they take longest."""
     if "other_laws" not in request.fixturenames:
-        monkeypatch.setattr(preparation, "_coefficient", lambda problem: None)
+        monkeypatch.setattr(preparation, "HEAT_LAWS", {})
 
 
 @pytest.fixture

@@ -491,7 +491,7 @@ def outcome(x):
     """Lift, in logarithms."""
     body, state = build(x)
     unknowns = lf.equilibrium(body, state, SHORT).unknowns
-    return jnp.log(SHORT.force(body, state, unknowns) + body.buoyancy(state, unknowns))
+    return jnp.log(SHORT.force(body, state, unknowns) + body.buoyancy(state, unknowns))[None]
 
 
 def answers(x, unknowns=(0.5, 0.2)):

@@ -118,28 +118,37 @@ def test_a_payload_keeps_a_disk_low_enough_for_its_film(tmp_path):
     assert "Afloat at 75.4 km it carries up to 0.0373 mg" in text
 
 
+SWEPT = ("rest_temperature", "usable_lowest_altitude", "usable_highest_altitude", "usable_payload",
+         "longest_night", "afloat_payload", "afloat_temperature")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def swept(compiled):
+    """Results of sweeps, compiled once for each kind of surroundings."""
+    return (
+        compiled(lambda setup: evaluate(setup, SWEPT)),
+        compiled(lambda setup, places: evaluate(setup, ("usable",), places)),
+    )
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["earth", "laden", "mars"])
-def test_sweeps_have_the_verdict(kind, tmp_path, compiled):
+def test_sweeps_have_the_verdict(kind, tmp_path, swept):
     """The search with derivatives finds what the search of predictions finds."""
     setup = setup_of(kind, tmp_path)
     prediction = lf.predict(setup)
     verdict, best = prediction.verdict, prediction.best.values
-    expected = {
-        "rest_temperature": verdict.rest.values["temperature"],
-        "usable_lowest_altitude": verdict.usable[0][0],
-        "usable_highest_altitude": verdict.usable[0][1],
-        "usable_payload": verdict.best.values["payload"],
-        "longest_night": verdict.longest_night,
-        "afloat_payload": best["payload"],
-        "afloat_temperature": best["temperature"],
-    }
-    found, converged = compiled(lambda setup: evaluate(setup, tuple(expected)))(setup)
+    expected = (
+        verdict.rest.values["temperature"], *verdict.usable[0], verdict.best.values["payload"],
+        verdict.longest_night, best["payload"], best["temperature"],
+    )  # fmt: skip
+    whole, at_places = swept
+    found, converged = whole(setup)
     assert converged
-    for name, value in expected.items():
+    for name, value in zip(SWEPT, expected, strict=True):
         assert float(found[name]) == pytest.approx(value, rel=1e-6), name
     places = np.array([0.5, 0.999, 1.001, 1.5]) * verdict.usable[0][1]
-    here, _ = compiled(lambda setup, places: evaluate(setup, ("usable",), places))(setup, places)
+    here, _ = at_places(setup, places)
     inside = (places > verdict.usable[0][0]) & (places < verdict.usable[0][1])
     assert here["usable"].tolist() == inside.tolist()
 

@@ -40,16 +40,25 @@ def test_kinds_are_those_of_init():
     assert flyers - set(KINDS) <= {"mission"}
 
 
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    """Paths of the templates, and the verdicts of those over altitude and over pressure."""
+    folder, groups = tmp_path_factory.mktemp("templates"), {}
+    paths = {kind: folder / f"{kind}.toml" for kind in KINDS}
+    for kind, path in paths.items():
+        path.write_text(templates()[kind].read(), encoding="utf-8")
+        groups.setdefault(as_design(path).setup.environment.coordinate.name, {})[kind] = path
+    found = (lf.compare(group, samples=0).summary()["flyers"] for group in groups.values())
+    return paths, {one["name"]: one["verdict"] for flyers in found for one in flyers}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-def test_templates(kind, prints, tmp_path):
-    path = tmp_path / f"{kind}.toml"
-    path.write_text(templates()[kind].read(), encoding="utf-8")
-    prediction, design = lf.predict(path), as_design(path)
+def test_templates(kind, prints, tmp_path, compared):
+    path, told = compared[0][kind], compared[1][kind]
+    prediction, design = lf.predict(path, samples=0), as_design(path)
     verdict, summary = prediction.verdict, prediction.summary()
-    names = ("one", "other")
-    for compared in lf.compare(dict.fromkeys(names, path), samples=0).summary()["flyers"]:
-        assert compared["verdict"] == summary["verdict"]
+    assert told == summary["verdict"]
     shown = {one.name: one for one in readings(prediction_of(design), None)}
     if verdict.rest is not None:
         assert shown["verdict.rest.temperature_k"].value == verdict.rest.values["temperature"]

@@ -245,7 +245,7 @@ def test_a_material_of_a_file(read):
     found = lf.film.sphere_absorption(carbon, 5e-7)
     assert design.setup.flyer.absorption_efficiency == found.absorption_efficiency
     assert any("a-C" in text for text in design.warnings)
-    sizes = np.geomspace(0.3, 3.0, 15)  # diameters [µm]
+    sizes = np.array([0.31, 0.57, 0.93, 1.7, 2.9])  # diameters [µm]
     with lf.float64():
         many = design.build({"flyer.diameter": 1e-6 * sizes}).flyer
     exact = lf.film.sphere_absorption(carbon, 0.5e-6 * sizes)

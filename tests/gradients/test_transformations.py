@@ -80,6 +80,10 @@ CASES = {
     "environment.sun_from_earth": lambda x: sun_from_earth(1e4 * x).direction[0],
     "environment.sun_in_sky": lambda x: sun_in_sky(sun_from_earth(1e4), 0.7 * x, 0.2).zenith_angle,
     "environment.balanced_rotation": lambda x: balanced_rotation(1e-9 * x, 0.7, 7.3e-5),
+    "environment.Dust.depth_above": lambda x: lf.environment.Dust().depth_above(0.5 * x),
+    "environment.Planet.curvature_radius": lambda x: lf.environment.EARTH_PLANET.curvature_radius(
+        0.7 * x, 0.3
+    ),
     "film.stack_optics": lambda x: lf.film.stack_optics(
         np.array([3.5]), np.array([0.1]), x * np.array([5e-8]), 5e-7
     ).transmittance[0],
@@ -149,6 +153,7 @@ for name in ("bruggeman", "maxwell_garnett", "parallel", "series"):
 ELSEWHERE = {
     "environment.Daylight": "tests/environment/test_sky.py",
     "environment.GlobalNRLMSIS": "tests/environment/test_global_nrlmsis.py",
+    "environment.TabulatedSun": "an argument of what is traced; tests/environment/test_sun.py",
     "environment.NRLMSIS": "needs pymsis, is not traced; tests/environment",
     "statics.outputs_of": "a list",
     "statics.in_the_dark": "takes the light away; sinking_speed uses it",

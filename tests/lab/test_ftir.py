@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.fft import dct
 from scipy.integrate import quad
 
 import lightflyer as lf
@@ -22,6 +23,26 @@ C2 = 0.01438776877  # second radiation constant [m K], CODATA 2018
 def spectrum(wavenumber, value, quantity="transmittance"):
     value = np.broadcast_to(value, wavenumber.shape).astype(float)
     return MeasuredSpectrum("synthetic", quantity, wavenumber, value)
+
+
+@pytest.mark.parametrize(("filling", "window"), [(4, (1.0,)), (2, (0.54, 0.46))])
+def test_the_noise_of_a_mean_includes_its_correlation(filling, window):
+    """Noise made in the interferogram, boxcar or Happ-Genzel; how band means scatter by it."""
+    points, top, count = 3950, 7899.0, 40
+    path = np.arange(points) / points
+    shape = sum(part * np.cos(j * np.pi * path) for j, part in enumerate(window))
+    wavenumber = np.linspace(0.0, top, points * filling + 1)
+    kept = (wavenumber > 400.0) & (wavenumber < 4000.0)
+    means, spreads = [], []
+    for seed in range(count):
+        signal = np.zeros(points * filling + 1)
+        signal[:points] = shape * np.random.default_rng(seed).normal(size=points)
+        noise = 0.002 * dct(signal, type=1)[kept] / np.sqrt(2.0 * points)
+        mean = reduce_ftir([spectrum(wavenumber[kept] * PER_CM, 0.8 + noise)], accuracy=0.0)
+        means.append(mean.transmittance.band.value)
+        spreads.append(mean.transmittance.band.uncertainty)
+    error = 3.0 / np.sqrt(2.0 * count)  # three standard ones of a standard deviation
+    assert np.mean(spreads) == pytest.approx(np.std(means), rel=error)
 
 
 def planck_per_wavenumber(wavenumber, temperature):

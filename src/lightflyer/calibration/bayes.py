@@ -23,7 +23,8 @@ from lightflyer.array.namespace import by_jax, load_jax, xp
 from lightflyer.calibration.calibration import Calibration
 from lightflyer.core.errors import ConvergenceError, MissingExtraError, ParameterError
 from lightflyer.core.progress import report
-from lightflyer.files.result_text import Parts, PrintedResult
+from lightflyer.core.text import rounded
+from lightflyer.files.result_text import Parts, PrintedResult, table_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,6 +34,8 @@ CHAINS = 4  # Number of chains; their agreement shows that they converged
 HIGHEST_R_HAT = 1.05  # R-hat above which the chains disagree and :func:`posterior` raises
 HIGHEST_DIVERGENT = 0.01  # Share of divergent draws above which :func:`posterior` raises
 
+_HEADINGS = ("posterior\nat given inputs", "mean", "standard\ndeviation", "95 % interval",
+             "R-hat", "effective")  # fmt: skip
 _FEWEST = 100  # draws, below which R-hat says nothing
 _SCATTER_RANGE = (1e-4, 10.0)  # of log-irradiance
 _INSIDE = 1e-3  # distance of a chain's start from a bound, of the log-parameter
@@ -92,9 +95,20 @@ class Posterior(PrintedResult):
             )
 
     def text_parts(self) -> Parts:
-        from lightflyer.calibration.calibration import posterior_parts
-
-        return posterior_parts(self)
+        rows = (
+            (
+                name,
+                f"{found['mean']:.4g}",
+                rounded(found["standard_deviation"]),
+                "{:.4g} to {:.4g}".format(*found["interval_95"]),
+                f"{found['r_hat']:.3f}",
+                f"{found['effective_draws']:.0f}",
+            )
+            for name, found in self.summary()["parameters"].items()
+        )
+        yield table_of(_HEADINGS, rows)
+        chains, draws = self.draws.shape[:2]
+        yield f"{chains * draws} draws in {chains} chains, {self.divergences} divergent"
 
     def summary(self) -> dict[str, Any]:
         """The posterior as a JSON object, without its draws."""

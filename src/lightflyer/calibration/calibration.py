@@ -10,9 +10,7 @@ from scipy.special import chdtrc
 from lightflyer.calibration.gauge import found_step
 from lightflyer.calibration.inputs import target_of
 from lightflyer.calibration.points import LEAST_PROBABILITY, Points
-from lightflyer.calibration.problem import (
-    Problem,
-)
+from lightflyer.calibration.problem import Problem
 from lightflyer.config.update import Fitted
 from lightflyer.core.errors import Doubt, ParameterError
 from lightflyer.core.quantity import Quantity
@@ -32,13 +30,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lightflyer.calibration.bayes import Posterior
-
 _NORMAL = 1.959963984540054  # half width of a normal 95 % interval, in standard deviations
 
 _FIT = ("parameter", "value", "given inputs\n95 %", "total\n95 %", "total\n±")
-_POSTERIOR = ("posterior\nat given inputs", "mean", "standard\ndeviation", "95 % interval",
-              "R-hat", "effective")  # fmt: skip
 
 FAR_ABOVE = 3.0
 """Scatter over what the points' uncertainties say, from which the fit is in doubt."""
@@ -264,24 +258,6 @@ def fit_parts(fit: "Calibration") -> Parts:
         yield f"{correlation_text(fit.names, fit.covariance)} (given inputs)"
 
 
-def posterior_parts(drawn: "Posterior") -> Parts:
-    """Mean, interval and convergence of each parameter."""
-    rows = (
-        (
-            name,
-            f"{found['mean']:.4g}",
-            rounded(found["standard_deviation"]),
-            "{:.4g} to {:.4g}".format(*found["interval_95"]),
-            f"{found['r_hat']:.3f}",
-            f"{found['effective_draws']:.0f}",
-        )
-        for name, found in drawn.summary()["parameters"].items()
-    )
-    yield table_of(_POSTERIOR, rows)
-    chains, draws = drawn.draws.shape[:2]
-    yield f"{chains * draws} draws in {chains} chains, {drawn.divergences} divergent"
-
-
 def diagnose(fit: Calibration) -> list[str]:
     """Diagnostics of a fit, one line each."""
     design, points = fit.problem.model.design, fit.points
@@ -292,6 +268,21 @@ def diagnose(fit: Calibration) -> list[str]:
         for one in fit.problem.parameters
         if one.target.fields in stated
     )
+    inputs = fit.problem.inputs
+    said = [
+        f"the ± of {name} is not in the total: a column or parameter of another name replaces it"
+        for name in inputs.left_out
+    ]
+    named = {name.partition("[")[0].rpartition(".")[2] for name in inputs.names}
+    named |= {field.rpartition(".")[2] for one in fit.problem.parameters
+              for field in one.target.fields}  # fmt: skip
+    numbers = {field.rpartition(".")[2] for field in design.quantities}
+    bare = [name for name in ("tac_top", "tac_bottom") if name in numbers - named]
+    if bare:
+        said.append(
+            f"{' and '.join(bare)} ha{'ve' if len(bare) > 1 else 's'} no ±, usually the largest "
+            'part of a total interval; write it into the flyer file, such as "0.90 ± 0.03"'
+        )
     samples = () if points.step else dict.fromkeys(points.samples)
     steps = {sample: found_step(points.irradiance[points.of(sample)]) for sample in samples}
     return [
@@ -300,7 +291,7 @@ def diagnose(fit: Calibration) -> list[str]:
         *_about_errors(fit),
         *_about_intervals(fit),
         *_about_coverage(fit),
-        *_about_inputs(fit),
+        *said,
         *(step_warning(sample, step) for sample, step in steps.items() if step is not None),
     ]
 
@@ -350,6 +341,9 @@ def _about_intervals(fit: Calibration) -> list[str]:
         usual = _USUAL.get(name.rpartition(".")[2], parameter.target.quantity)
         doubt = usual.unlikely(fit.values[row])
         said += [Doubt(f"{name} = {doubt}")] if doubt else []
+        squares = {key: float(shares[row] ** 2) for key, shares in fit.contributions.items()}
+        whole = math.fsum(squares.values())
+        large = [key for key, square in squares.items() if square > _LARGE_SHARE * whole]
         least, most = parameter.ends
         at = np.exp(parameter.log_bounds)
         if np.any(np.abs(fit.values[row] / at - 1.0) < _AT_END):
@@ -368,7 +362,7 @@ def _about_intervals(fit: Calibration) -> list[str]:
             why = (
                 "the points do not determine it there"
                 if fit.intervals[row, end] == bound
-                else f"within their ±, {_largest(fit, row)} allow any value"
+                else f"within their ±, {' and '.join(large)} allow any value"
             )
             if math.isinf(bound) or bound == 0.0:
                 said.append(Doubt(f"{name} has no {word} bound: {why}"))
@@ -401,38 +395,6 @@ def _about_coverage(fit: Calibration) -> list[Doubt]:
                     "would measure it"
                 )
             )
-    return said
-
-
-def _largest(fit: Calibration, row: int) -> str:
-    """Inputs that most of a parameter's uncertainty comes from."""
-    squares = {name: float(shares[row] ** 2) for name, shares in fit.contributions.items()}
-    whole = math.fsum(squares.values())
-    large = [name for name, square in squares.items() if square > _LARGE_SHARE * whole]
-    return " and ".join(large)
-
-
-def _about_inputs(fit: Calibration) -> list[str]:
-    inputs, design = fit.problem.inputs, fit.problem.model.design
-    said = [
-        f"the ± of {name} is not in the total: a column or parameter of another name replaces it"
-        for name in inputs.left_out
-    ]
-    named = {name.partition("[")[0].rpartition(".")[2] for name in inputs.names}
-    fitted = {
-        field.rpartition(".")[2]
-        for parameter in fit.problem.parameters
-        for field in parameter.target.fields
-    }
-    numbers = {field.rpartition(".")[2] for field in design.quantities}
-    bare = [
-        name for name in ("tac_top", "tac_bottom") if name in numbers and name not in named | fitted
-    ]
-    if bare:
-        said.append(
-            f"{' and '.join(bare)} ha{'ve' if len(bare) > 1 else 's'} no ±, usually the largest "
-            'part of a total interval; write it into the flyer file, such as "0.90 ± 0.03"'
-        )
     return said
 
 

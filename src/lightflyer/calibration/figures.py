@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lightflyer.calibration.problem import UNREACHABLE, Problem
+from lightflyer.calibration.problem import UNREACHABLE
 from lightflyer.files.drawing import (
     INTERVAL,
     LINES,
@@ -45,27 +45,15 @@ def fitted_curve(fit: "Calibration", sample: str) -> tuple[np.ndarray, np.ndarra
     batch = len(fit.points)
     batches = -(-_CURVE_POINTS // batch)
     fine = np.geomspace(pressure[0], pressure[-1], batch * batches)
-    found = [
-        _fitted_irradiance(problem, here[0], part, fit.values) for part in np.split(fine, batches)
-    ]
-    return fine, np.concatenate(found)
-
-
-def _fitted_irradiance(
-    problem: Problem, row: int, pressure: np.ndarray, values: np.ndarray
-) -> np.ndarray:
-    """Fitted irradiance at pressures, with all else as at one of the points."""
-    same = np.full(len(problem.points), row)
-    model = replace(
-        problem.model,
-        stated=problem.model.stated[:, same],
-        index=problem.model.index[:, same],
-        moves=problem.model.moves[..., same],
-    )
-    numbers = problem.points.numbers | {"pressure": pressure}
-    there = replace(problem, points=replace(problem.points, numbers=numbers), model=model)
-    found = there.linearise(np.log(values)).value
-    return np.where(found < UNREACHABLE, np.exp(np.minimum(found, UNREACHABLE)), np.nan)
+    same = np.full(batch, here[0])  # all else as at one of the points
+    stated, index, moves = model.stated[:, same], model.index[:, same], model.moves[..., same]
+    model, found = replace(model, stated=stated, index=index, moves=moves), []
+    for part in np.split(fine, batches):
+        points = replace(problem.points, numbers=problem.points.numbers | {"pressure": part})
+        there = replace(problem, points=points, model=model)
+        found.append(there.linearise(np.log(fit.values)).value)
+    light = np.concatenate(found)
+    return fine, np.where(light < UNREACHABLE, np.exp(np.minimum(light, UNREACHABLE)), np.nan)
 
 
 def fitted_points(fit: "Calibration", ax: Axes) -> Axes:

@@ -126,14 +126,6 @@ def calibrate(
     meters, assumed = instruments(pressure_accuracy, irradiance_accuracy)
     problem = problem_of(points, as_design(what, environment, model), free, meters)
     fit, best, spread = _solve_weighted(problem, _reachable_start(problem))
-    found = _calibration(fit, best, spread, scale_errors=scale_errors)
-    return replace(found, warnings=(*points.warnings, *diagnose(found), *assumed))
-
-
-def _calibration(
-    fit: LeastSquares, best: np.ndarray, spread: np.ndarray, *, scale_errors: bool
-) -> Calibration:
-    problem, points = fit.problem, fit.problem.points
     here = fit.at(best)
     freedom, cost = len(points) - best.size, fit.cost(best)
     _require_distinct(here.jacobian * fit.weight[:, None], problem.names)
@@ -151,7 +143,7 @@ def _calibration(
     # the cost at the ends of an interval
     quantile = fdtri(1, freedom, CONFIDENCE) if estimated or scaled else chdtri(1, 1.0 - CONFIDENCE)
     limit = cost + float(variance * quantile)
-    weighted = fit.at(best).jacobian * fit.weight[:, None]
+    weighted = here.jacobian * fit.weight[:, None]
     in_logarithms = np.asarray(np.linalg.inv(weighted.T @ weighted)) * variance
     inputs = from_inputs(fit, best)
     steps = np.sqrt(np.diag(in_logarithms))
@@ -164,14 +156,22 @@ def _calibration(
         )
     ends = np.array([fit.interval(best, limit, row, step) for row, step in enumerate(steps)])
     if estimated:
-        wider = _unevenness(here.jacobian, residuals, in_logarithms)
+        # One scatter for all points is an assumption. The covariance of [MacKinnonWhite1985]_
+        # ("HC3"), in which each point has that of its own residual, needs none: where points
+        # scatter unevenly, uncertainties are larger.
+        inverse = np.linalg.inv(here.jacobian.T @ here.jacobian)
+        leverage = np.einsum("ij,jk,ik->i", here.jacobian, inverse, here.jacobian)
+        own = residuals / np.maximum(1.0 - leverage, np.finfo(float).eps)
+        half, least = inverse @ (here.jacobian.T * own), np.finfo(float).tiny
+        ratio = np.diag(half @ half.T) / np.maximum(np.diag(in_logarithms), least)
+        wider = np.sqrt(np.maximum(ratio, 1.0))
         in_logarithms = in_logarithms * np.outer(wider, wider)
         ends = best[:, None] + wider[:, None] * (ends - best[:, None])
     ends = _open(ends, problem)
     both = np.hypot(ends - best[:, None], _open(inputs.ends, problem) - best[:, None])
     natural = np.outer(values, values)
     shares = zip(problem.inputs.names, np.abs(inputs.slopes.T), strict=True)
-    return Calibration(
+    found = Calibration(
         problem=problem,
         values=values,
         covariance=in_logarithms * natural,
@@ -190,18 +190,7 @@ def _calibration(
         fitted=np.exp(here.value),
         warnings=(),
     )
-
-
-def _unevenness(jacobian: np.ndarray, residuals: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """How much larger uncertainties are if points scatter unevenly, at least 1, shape (p,)."""
-    # Where the scatter is estimated, one for all points is an assumption. The covariance of
-    # [MacKinnonWhite1985]_ ("HC3"), in which each point has that of its own residual, needs none.
-    inverse = np.linalg.inv(jacobian.T @ jacobian)
-    leverage = np.einsum("ij,jk,ik->i", jacobian, inverse, jacobian)
-    own = residuals / np.maximum(1.0 - leverage, np.finfo(float).eps)
-    half = inverse @ (jacobian.T * own)
-    ratio = np.diag(half @ half.T) / np.maximum(np.diag(covariance), np.finfo(float).tiny)
-    return np.sqrt(np.maximum(ratio, 1.0))
+    return replace(found, warnings=(*points.warnings, *diagnose(found), *assumed))
 
 
 def _open(ends: np.ndarray, problem: Problem) -> np.ndarray:

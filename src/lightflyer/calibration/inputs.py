@@ -77,7 +77,12 @@ def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = Fals
         if value is None:
             value = _mean(design, _faces(known, name))
         if value is None:
-            value = _compute(design, field)
+            # what the setup has, where a file leaves it out, such as a property of layers
+            built, last = ObjectDesign(design.setup), field.rpartition(".")[2]
+            alike = [one for one in built.quantities if one.rpartition(".")[2] == last]
+            unit = design.quantities[field].unit
+            if len(alike) == 1 and built.quantities[alike[0]].unit == unit:
+                value = built.number(alike[0])
         return Target((field,), 1.0, design.quantities[field], value)
     part, dot, last = name.rpartition(".")
     if last in ALIASES:
@@ -92,7 +97,17 @@ def target_of(design: AbstractDesign, name: str, *, describes_flyer: bool = Fals
     faces = _faces(known, name)
     if faces:
         return Target(faces, 1.0, design.quantities[faces[0]], _mean(design, faces))
-    raise ParameterError(_why_unknown(design, name))
+    if name == design.coordinate_name:
+        raise ParameterError(f"{name} is the coordinate of the points, not a number of the design")
+    small = {end.lower(): end for end in (one.rpartition(".")[2] for one in design.quantities)}
+    near = [small[one] for one in difflib.get_close_matches(name.lower(), sorted(small), n=1)]
+    if near:
+        raise ParameterError(f'{name} is not a number of the design; did you mean "{near[0]}"?')
+    try:
+        design.field(name)
+    except ConfigurationError as error:
+        raise ParameterError(str(error)) from None
+    raise ParameterError(f"{name} is not a number of the flyer")
 
 
 def _only(known: Iterable[str], name: str) -> str | None:
@@ -116,38 +131,15 @@ def _mean(design: AbstractDesign, fields: tuple[str, ...]) -> float | None:
     return math.fsum(given) / len(given) if given and len(given) == len(values) else None
 
 
-def _compute(design: AbstractDesign, field: str) -> float | None:
-    """Value in the setup of a number that a file leaves out, such as a property of layers."""
-    built, last = ObjectDesign(design.setup), field.rpartition(".")[2]
-    found = [name for name in built.quantities if name.rpartition(".")[2] == last]
-    if len(found) != 1 or built.quantities[found[0]].unit != design.quantities[field].unit:
-        return None
-    return built.number(found[0])
-
-
-def _why_unknown(design: AbstractDesign, name: str) -> str:
-    if name == design.coordinate_name:
-        return f"{name} is the coordinate of the points, not a number of the design"
-    ends = {field.rpartition(".")[2] for field in design.quantities}
-    small = {end.lower(): end for end in ends}
-    near = [small[one] for one in difflib.get_close_matches(name.lower(), sorted(small), n=1)]
-    if near:
-        return f'{name} is not a number of the design; did you mean "{near[0]}"?'
-    try:
-        design.field(name)
-    except ConfigurationError as error:
-        return str(error)
-    return f"{name} is not a number of the flyer"
-
-
 @reads_units
 def instruments(
     pressure_accuracy: Fraction | None, irradiance_accuracy: Fraction | None
 ) -> tuple[dict[str, float], tuple[str, ...]]:
     """Accuracies of the instruments, those assumed where none are stated."""
-    for name, stated in (
-        ("pressure_accuracy", pressure_accuracy),
-        ("irradiance_accuracy", irradiance_accuracy),
+    found, assumed = {}, {}
+    for name, instrument, stated, usual in (
+        ("pressure_accuracy", PRESSURE_GAUGE, pressure_accuracy, PRESSURE_ACCURACY),
+        ("irradiance_accuracy", LIGHT_METER, irradiance_accuracy, IRRADIANCE_ACCURACY),
     ):
         require_range(name, stated, 0.0, 1.0)
         if stated is not None and stated > _LARGEST_USUAL:
@@ -157,11 +149,6 @@ def instruments(
                 ParameterWarning,
                 stacklevel=2,
             )
-    found, assumed = {}, {}
-    for instrument, stated, usual in (
-        (PRESSURE_GAUGE, pressure_accuracy, PRESSURE_ACCURACY),
-        (LIGHT_METER, irradiance_accuracy, IRRADIANCE_ACCURACY),
-    ):
         found[instrument] = usual if stated is None else stated
         if stated is None:
             assumed[instrument] = f"± {_PERCENT * usual:g} %"
@@ -238,7 +225,17 @@ def fit_inputs(
     replaced = {target.fields for target in columns.values()}
     of_design = uncertain_inputs(design)
     own, targets, left_out = _design_inputs(design, of_design, replaced, index, len(points))
-    samples = _sample_inputs(points, columns, index)
+    samples = []
+    for name, target in columns.items():
+        spread = points.numbers.get(f"{name}_uncertainty", np.zeros(len(points)))
+        for sample in dict.fromkeys(points.samples):
+            here = points.of(sample) & (index[target.fields] < 0.0) & (spread > 0.0)
+            if here.any():
+                value, unit = points.numbers[name][here], spread[here]
+                low = float(np.max((target.quantity.lowest - value) / unit))
+                high = float(np.min((target.quantity.highest - value) / unit))
+                moves = {target.fields: np.where(here, spread, 0.0)}
+                samples.append(_Input(f"{name}[{sample}]", (low, high), moves))
     read_by = [
         _Input(name, gain=(spread, 0.0) if name == PRESSURE_GAUGE else (0.0, spread))
         for name, spread in meters.items()
@@ -252,13 +249,19 @@ def fit_inputs(
         for number, one in enumerate(own):
             if one.name in of_design.changes:
                 changes[number] = of_design.changes[one.name].in_unit(float(spreads[one.name]))
-    return FitInputs(
-        inputs=every,
-        correlation=_correlation(design, every, columns),
-        targets=targets,
-        changes=changes,
-        left_out=left_out,
-    )
+    # correlated as the design states it, within one sample where columns do
+    keys = []
+    for one in every:
+        name, _, sample = one.name.partition("[")
+        field_of = columns[name].fields[0] if sample and name in columns else name
+        keys.append((field_of, sample))
+    correlation = np.eye(len(every))
+    for (first, second), coefficient in design.correlations.items():
+        for row, (name, sample) in enumerate(keys):
+            if name == first and (second, sample) in keys:
+                column = keys.index((second, sample))
+                correlation[row, column] = correlation[column, row] = coefficient
+    return FitInputs(every, correlation, targets, changes, left_out)
 
 
 def _design_inputs(
@@ -297,41 +300,3 @@ def _design_inputs(
             continue  # it is fitted
         found.append(_Input(name, (float(low), float(high)), {fields: spread * free}))
     return found, targets, tuple(left_out)
-
-
-def _sample_inputs(
-    points: Points, columns: Mapping[str, Target], index: Mapping[Fields, np.ndarray]
-) -> list[_Input]:
-    found = []
-    for name, target in columns.items():
-        spread = points.numbers.get(f"{name}_uncertainty")
-        if spread is None:
-            continue
-        for sample in dict.fromkeys(points.samples):
-            here = points.of(sample) & (index[target.fields] < 0.0) & (spread > 0.0)
-            if not here.any():
-                continue
-            value, unit = points.numbers[name][here], spread[here]
-            low = float(np.max((target.quantity.lowest - value) / unit))
-            high = float(np.min((target.quantity.highest - value) / unit))
-            moves = {target.fields: np.where(here, spread, 0.0)}
-            found.append(_Input(f"{name}[{sample}]", (low, high), moves))
-    return found
-
-
-def _correlation(
-    design: AbstractDesign, inputs: Sequence[_Input], columns: Mapping[str, Target]
-) -> np.ndarray:
-    """Correlation of the inputs: as the design states it, within one sample where columns do."""
-    fields = {name: target.fields for name, target in columns.items()}
-    keys = []
-    for one in inputs:
-        name, _, sample = one.name.partition("[")
-        keys.append((fields.get(name, (name,))[0] if sample else name, sample))
-    matrix = np.eye(len(inputs))
-    for (first, second), value in design.correlations.items():
-        for row, (name, sample) in enumerate(keys):
-            if name == first and (second, sample) in keys:
-                column = keys.index((second, sample))
-                matrix[row, column] = matrix[column, row] = value
-    return matrix

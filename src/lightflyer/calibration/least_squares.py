@@ -218,10 +218,7 @@ class _Search:
                 continue
             place, parameters, radius = target, found, further
             slopes = self.slopes(parameters, place) @ self.factor
-        return self._settle(parameters, place, number, sign)
-
-    def _settle(self, parameters: np.ndarray, place: np.ndarray, number: int, sign: float) -> float:
-        """The value where the direction of steepest change is that from the centre."""
+        # where the direction of steepest change is that from the centre
         value = float(parameters[number])
         for _ in range(_ROUNDS):
             slopes = self.slopes(parameters, place) @ self.factor

@@ -8,7 +8,7 @@ Such a file looks like this; further columns are optional::
 """
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -171,14 +171,13 @@ class Points(ShortRepr):
             near = difflib.get_close_matches(plain, known, n=1, cutoff=_LEAST_ALIKE)
             hint = f'; did you mean "{near[0]}"?' if near else ""
             rows.append(f"{self.source}: the column {name} is not used{hint}")
-        return (*rows, *self.reading, *self.notes, *self._doubts())
-
-    def _doubts(self) -> Iterator[str]:
+        rows += (*self.reading, *self.notes)
         for name in dict.fromkeys(self.samples):
             one = self.where(self.of(name))
             sizes = one.numbers.get("diameter", [None])
             found = doubts(one.pressure, one.irradiance, sizes[0])
-            yield from (Doubt(f"{name}: {text}") for text in found)
+            rows += (Doubt(f"{name}: {text}") for text in found)
+        return tuple(rows)
 
     @property
     def table(self) -> Table:

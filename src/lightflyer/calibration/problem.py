@@ -82,29 +82,6 @@ class LevitationModel(Module):
 _STEP = 1e-5  # of a logarithm, and of a standard uncertainty, over which slopes are taken
 
 
-def _linearise(
-    model: LevitationModel, log_parameters: Any, log_pressure: Any, shifts: Any
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Value at each point, and its slopes in the parameters, the log-pressure and the inputs."""
-    # all cases at once: as it is, then with each of these numbers less and more
-    count, inputs = log_parameters.size, shifts.size
-    moved = count + inputs + 1
-    steps = _STEP * np.concatenate([np.zeros((1, moved)), -np.eye(moved), np.eye(moved)])
-    with impossible_as_nan():
-        value, *around = model.log_irradiance(
-            log_parameters + steps[:, :count],
-            log_pressure + steps[:, -1:],
-            shifts + steps[:, count:-1],
-        )
-    known = [np.where(row < UNREACHABLE, row, np.nan) for row in (value, *around)]
-    (below, above), here = np.split(np.array(known[1:]), 2), known[0]
-    # where the levitation ends at the point, the slope of the side that has one
-    slopes = np.where(np.isnan(below), above - here, here - below) / _STEP
-    both = (above - below) / (2.0 * _STEP)
-    slopes = np.where(np.isnan(both), np.where(np.isnan(slopes), 0.0, slopes), both).T
-    return value, slopes[:, :count], slopes[:, -1], slopes[:, count:-1]
-
-
 class Parameter(NamedTuple):
     """A number that is fitted, at all points or at those of one sample."""
 
@@ -168,9 +145,26 @@ class Problem:
 
     def linearise(self, log_parameters: np.ndarray, shifts: np.ndarray | None = None) -> Linearised:
         """Log-irradiance of the model at the points, and its derivatives; ``shifts`` (k,)."""
-        moved = np.zeros(len(self.inputs.names)) if shifts is None else shifts
-        found = _linearise(self.model, log_parameters, np.log(self.points.pressure), moved)
-        value, *changes = (np.array(one) for one in found)
+        shifts = np.zeros(len(self.inputs.names)) if shifts is None else shifts
+        # all cases at once: as it is, then with each of these numbers less and more
+        count = log_parameters.size
+        moved = count + shifts.size + 1
+        steps = _STEP * np.concatenate([np.zeros((1, moved)), -np.eye(moved), np.eye(moved)])
+        with impossible_as_nan():
+            found, *around = self.model.log_irradiance(
+                log_parameters + steps[:, :count],
+                np.log(self.points.pressure) + steps[:, -1:],
+                shifts + steps[:, count:-1],
+            )
+        known = [np.where(row < UNREACHABLE, row, np.nan) for row in (found, *around)]
+        (below, above), here = np.split(np.array(known[1:]), 2), known[0]
+        # where the levitation ends at the point, the slope of the side that has one
+        slopes = np.where(np.isnan(below), above - here, here - below) / _STEP
+        both = (above - below) / (2.0 * _STEP)
+        slopes = np.where(np.isnan(both), np.where(np.isnan(slopes), 0.0, slopes), both).T
+        value = np.array(found)
+        changes = [np.array(part) for part in (slopes[:, :count], slopes[:, -1],
+                                               slopes[:, count:-1])]  # fmt: skip
         lost = ~np.isfinite(value)
         for change in changes:
             lost |= ~np.isfinite(change.reshape(value.size, -1)).all(axis=1)
@@ -203,7 +197,32 @@ def problem_of(
         )
     columns = {name: target_of(design, name, describes_flyer=True) for name in points.properties}
     stated = {target.fields: points.properties[name] for name, target in columns.items()}
-    parameters = tuple(_parameter(text, points, design, stated) for text in free)
+    found: list[Parameter] = []
+    for text in free:
+        name, _, sample = text.partition("[")
+        name, sample = name.strip(), sample.removesuffix("]").strip()
+        target = target_of(design, name)
+        if design.needs_recompute(list(target.fields)):
+            raise ParameterError(f"{name} changes the optics of layers: too costly to fit")
+        chosen = points.of(sample) if sample else np.ones(len(points), bool)
+        if not chosen.any():
+            samples = ", ".join(dict.fromkeys(points.samples))
+            raise ParameterError(
+                f'{text}: {points.source} has no sample "{sample}"; choose from {samples}'
+            )
+        values = _row(target, points, stated)[chosen]
+        if not np.all(values > 0.0):
+            own = "not given" if target.value is None else f"{np.min(values):g}"
+            raise ParameterError(
+                f"{name} is {own} in the design; a fit needs a positive value to start from"
+            )
+        if np.ptp(values) > 0.0:
+            raise ParameterError(
+                f"{name} is one number in the fit, and {points.source} has several; fit it sample "
+                f'by sample, such as "{name}[{points.samples[0]}]"'
+            )
+        found.append(Parameter(text, target, chosen, float(values[0])))
+    parameters = tuple(found)
     targets = {target.fields: target for target in columns.values()}
     targets |= {parameter.target.fields: parameter.target for parameter in parameters}
     fields = [field for group in targets for field in group]
@@ -236,35 +255,6 @@ def _row(target: Target, points: Points, stated: Mapping[Fields, np.ndarray]) ->
     """Values of a target over the points: those of its column, or the design's own."""
     own = np.nan if target.value is None else target.value
     return np.asarray(stated.get(target.fields, np.full(len(points), own)), float)
-
-
-def _parameter(
-    text: str, points: Points, design: AbstractDesign, stated: Mapping[Fields, np.ndarray]
-) -> Parameter:
-    name, _, sample = text.partition("[")
-    name, sample = name.strip(), sample.removesuffix("]").strip()
-    target = target_of(design, name)
-    costly = design.needs_recompute(list(target.fields))
-    if costly:
-        raise ParameterError(f"{name} changes the optics of layers: too costly to fit")
-    chosen = points.of(sample) if sample else np.ones(len(points), bool)
-    if not chosen.any():
-        samples = ", ".join(dict.fromkeys(points.samples))
-        raise ParameterError(
-            f'{text}: {points.source} has no sample "{sample}"; choose from {samples}'
-        )
-    values = _row(target, points, stated)[chosen]
-    if not np.all(values > 0.0):
-        own = "not given" if target.value is None else f"{np.min(values):g}"
-        raise ParameterError(
-            f"{name} is {own} in the design; a fit needs a positive value to start from"
-        )
-    if np.ptp(values) > 0.0:
-        raise ParameterError(
-            f"{name} is one number in the fit, and {points.source} has several; fit it sample by "
-            f'sample, such as "{name}[{points.samples[0]}]"'
-        )
-    return Parameter(text, target, chosen, float(values[0]))
 
 
 def _index(fields: Fields, points: Points, parameters: Sequence[Parameter]) -> np.ndarray:

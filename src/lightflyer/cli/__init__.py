@@ -17,7 +17,7 @@ import cyclopts
 
 import lightflyer
 from lightflyer.cli.output import printer, say
-from lightflyer.cli.progress import Display, abandon, print_error, show_progress
+from lightflyer.cli.progress import abandon, print_error, show_progress
 from lightflyer.cli.report import note_warning, write_report
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 from lightflyer.files.result_text import listed
@@ -102,27 +102,22 @@ def _listed() -> None:
     pass
 
 
-class _Warnings:
-    """Prints each warning once, however often the same flyer is built."""
-
-    def __init__(self, display: Display) -> None:
-        self._display = display
-        self._shown: set[str] = set()
-
-    def __call__(self, message: Warning | str, *_: Any, **__: Any) -> None:
-        if str(message) not in self._shown:
-            self._shown.add(str(message))
-            self._display.note(f"lightflyer: warning: {message}")
-            note_warning(str(message))
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; mistakes of the user's become one line each and exit code 2."""
     given = _with_negatives(sys.argv[1:] if arguments is None else list(arguments))
+    shown: set[str] = set()
     try:
         with show_progress(next(iter(given), app.name[0])) as display, warnings.catch_warnings():
             warnings.simplefilter("always", ParameterWarning)
-            warnings.showwarning = _Warnings(display)
+
+            def show(message: Warning | str, *_: Any, **__: Any) -> None:
+                """Print each warning once, however often the same flyer is built."""
+                if str(message) not in shown:
+                    shown.add(str(message))
+                    display.note(f"lightflyer: warning: {message}")
+                    note_warning(str(message))
+
+            warnings.showwarning = show
             asked = next(iter(given), "-")
             if asked.startswith("-") or asked not in app:
                 _add_plugins(asked)

@@ -81,11 +81,38 @@ def command_of(measure: Callable[..., "Outcome | Listing"]) -> Callable[..., Non
             if given[option] is not None:
                 given[option] = read(given[option])
         by_place = [given.pop(one.name) for one in parameters if one.kind is not _NAMED]
-        found = measure(*by_place, **given)
-        _deliver(
-            name, found, given.get("update"), out=out, insist=insist, json_output=json_output,
-            figures=figures,
-        )  # fmt: skip
+        found, update = measure(*by_place, **given), given.get("update")
+        from lightflyer.core.atomic_files import output_directory, write_netcdf
+        from lightflyer.lab.result import Listing
+
+        console = printer()
+        if isinstance(found, Listing):
+            if json_output:
+                print_json(found.document)
+            for line in () if json_output else found.lines:
+                console.print(line, soft_wrap=True)
+            return
+        document = found.document()
+        names: list[str] = []
+        with nullcontext() if out is None else output_directory(out) as stage:
+            if stage is not None:
+                write_json(stage(f"{name}.json"), document)
+                write_netcdf(found.dataset, stage(f"{name}.nc"))
+                for file, content in found.tables.items():
+                    plain = content.encode() if isinstance(content, str) else content
+                    stage(file).write_bytes(plain)
+                drawn = figures.write(stage, found.figures)
+                names = [f"{name}.json", f"{name}.nc", *found.tables, *drawn]
+            # the flyer file is changed after all files are prepared; if that fails, nothing is
+            # written
+            changes = [] if update is None else _update(name, found, update, insist=insist)
+        if json_output:
+            print_json(document)
+            return
+        show(console, map(_narrow, found.lines()))
+        written = [] if out is None else [out / file for file in names]
+        figures.tell(console, written, "add --out FOLDER to write a record and a figure")
+        show(console, [_narrow(f"{update}: {text}") for text in changes])
 
     command.__name__, command.__doc__ = name, measure.__doc__
     command.__signature__ = signature  # type: ignore[attr-defined]
@@ -110,42 +137,6 @@ def _kind_of(one: inspect.Parameter, kind: Any) -> Any:
 
 def _option(name: str, kind: Any, default: Any) -> inspect.Parameter:
     return inspect.Parameter(name, _NAMED, default=default, annotation=kind)
-
-
-def _deliver(
-    name: str, found: "Outcome | Listing", update: Path | None, *, out: Path | None, insist: bool,
-    json_output: bool, figures: ResultOptions,
-) -> None:  # fmt: skip
-    """Write a measurement's record and figures, and print its text or its JSON object."""
-    from lightflyer.core.atomic_files import output_directory, write_netcdf
-    from lightflyer.lab.result import Listing
-
-    console = printer()
-    if isinstance(found, Listing):
-        if json_output:
-            print_json(found.document)
-        for line in () if json_output else found.lines:
-            console.print(line, soft_wrap=True)
-        return
-    document = found.document()
-    names: list[str] = []
-    with nullcontext() if out is None else output_directory(out) as stage:
-        if stage is not None:
-            write_json(stage(f"{name}.json"), document)
-            write_netcdf(found.dataset, stage(f"{name}.nc"))
-            for file, content in found.tables.items():
-                stage(file).write_bytes(content.encode() if isinstance(content, str) else content)
-            drawn = figures.write(stage, found.figures)
-            names = [f"{name}.json", f"{name}.nc", *found.tables, *drawn]
-        # the flyer file is changed after all files are prepared; if that fails, nothing is written
-        changes = [] if update is None else _update(name, found, update, insist=insist)
-    if json_output:
-        print_json(document)
-        return
-    show(console, map(_narrow, found.lines()))
-    written = [] if out is None else [out / file for file in names]
-    figures.tell(console, written, "add --out FOLDER to write a record and a figure")
-    show(console, [_narrow(f"{update}: {text}") for text in changes])
 
 
 def _update(name: str, found: "Outcome", flyer: Path, *, insist: bool) -> Sequence[str]:

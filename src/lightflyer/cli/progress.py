@@ -98,13 +98,11 @@ class Display:
         while not self._over.wait(pause):
             with self._lock:  # no line begins once results may be printed
                 if not self._over.is_set():
-                    print_error(f"lightflyer: {self._line()}")
+                    step, seconds = self._step, time.monotonic() - self._since
+                    count = f" {step.done or 0:,} of {step.total or 0:,} {step.unit}".rstrip()
+                    of = "" if step.total is None else count
+                    print_error(f"lightflyer: {step.doing}{of}, {seconds:.0f} s")
             pause = _EVERY
-
-    def _line(self) -> str:
-        step, seconds = self._step, time.monotonic() - self._since
-        of = "" if step.total is None else f" {step.done or 0:,} of {step.total:,} {step.unit}"
-        return f"{step.doing}{of.rstrip()}, {seconds:.0f} s"
 
 
 @contextmanager

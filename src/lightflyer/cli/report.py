@@ -105,7 +105,10 @@ class Report:
         inputs = list(dict.fromkeys([*self._named, *self._files_read]))
         command = takewhile(lambda part: part.isalpha() and not _is_file(part), self._arguments)
         done = " ".join(command)
-        names = _listed(self._named or inputs[:1])
+        paths = self._named or inputs[:1]
+        stems = [path.stem for path in paths]
+        # with an ending where it alone tells two apart
+        names = listed(one.name if stems.count(one.stem) > 1 else one.stem for one in paths)
         title = _TITLES.get(done, done.capitalize()) + (f": {names}" if names else "")
         words: list[Table | str] = list(
             takewhile(lambda thing: isinstance(thing, str), self._results)
@@ -195,12 +198,6 @@ def begin(path: Path) -> Report:
     return current
 
 
-def _listed(paths: Sequence[Path]) -> str:
-    """Names of files as a sentence lists them; with an ending where it alone tells two apart."""
-    stems = [path.stem for path in paths]
-    return listed(path.name if stems.count(path.stem) > 1 else path.stem for path in paths)
-
-
 def _is_file(argument: str) -> bool:
     """Whether it names a file that exists, or the store of a sweep."""
     try:
@@ -226,7 +223,14 @@ def _results(things: Sequence[Table | str]) -> Iterator[str]:
             yield page.paragraph(line, "warning" if line.startswith(_WARNING) else None)
         if isinstance(thing, Table):
             yield from _flush(labelled)
-            yield _table(thing)
+            columns = [[str(cell) for cell in column.cells] for column in thing.columns]
+            yield page.table(
+                list(zip(*columns, strict=True)),
+                [str(column.header) for column in thing.columns] if thing.show_header else None,
+                right=[column.justify == "right" for column in thing.columns],
+                caption=str(thing.title or ""),
+                note=str(thing.caption or ""),
+            )
     yield from _flush(labelled)
 
 
@@ -234,17 +238,6 @@ def _flush(labelled: list[tuple[str, str]]) -> Iterator[str]:
     if labelled:
         yield page.table(labelled)
         labelled.clear()
-
-
-def _table(table: Table) -> str:
-    columns = [[str(cell) for cell in column.cells] for column in table.columns]
-    return page.table(
-        list(zip(*columns, strict=True)),
-        [str(column.header) for column in table.columns] if table.show_header else None,
-        right=[column.justify == "right" for column in table.columns],
-        caption=str(table.title or ""),
-        note=str(table.caption or ""),
-    )
 
 
 def _file(path: Path) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """``lightflyer film``: optics and areal density of a film from its layers."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -251,9 +251,8 @@ def _show(
         interval = _span(summary.interval(f"{kind}_transmittance"))
         console.print(f"transmittance     {passing.value:.4f}{interval} of {light}"
                       f"{_bound_text(passing)}", soft_wrap=True)  # fmt: skip
-    for table in (_emittances(summary), _intervals(summary), _missing(summary)):
-        if table is not None:
-            console.print(table)
+    for table in _tables(summary):
+        console.print(table)
     shortest, longest = summary.wavelength[[0, -1]] / MICROMETRE
     console.print(f"spectrum from {shortest:.4g} µm to {longest:.4g} µm")
     for point in points:
@@ -288,12 +287,13 @@ def _table(title: str, headings: Sequence[str]) -> Table:
     return table_of(headings, left=(), title=title, title_style="")
 
 
-def _emittances(summary: "FilmSummary") -> Table:
-    sides = tuple(summary.thermal)
-    table = _table("emittance", ("at\n[K]", *_side_headings("hemispherical", sides),
-                                 *_side_headings("normal", sides), "absorptance\n/ emittance",
-                                 "infrared\ntransmittance"))  # fmt: skip
-    values = summary.values()
+def _tables(summary: "FilmSummary") -> Iterator[Table]:
+    """Emittances at each temperature, their intervals, and shares of the radiation without data."""
+    sides, values = tuple(summary.thermal), summary.values()
+    hemispherical = _side_headings("hemispherical", sides)
+    ratio, through = "absorptance\n/ emittance", "infrared\ntransmittance"
+    heads = "at\n[K]", *hemispherical, *_side_headings("normal", sides), ratio, through
+    table = _table("emittance", heads)
     kinds = ("emittance", "emittance_normal")
     names = [f"{kind}_{side}" for kind in kinds for side in sides]
     for row, temperature in enumerate(summary.temperatures):
@@ -303,48 +303,37 @@ def _emittances(summary: "FilmSummary") -> Table:
             f"{values['selectivity'][row]:.2f}".replace("nan", "–"),  # of a zero emittance
             f"{values['infrared_transmittance'][row]:.4f}",
         )
-    return table
+    yield table
+    if summary.uncertainty is not None:
+        title = "95 % intervals from the stated ± of the layers' numbers"
+        table = _table(title, ("at\n[K]", *hemispherical, ratio, through))
+        names = [*(f"emittance_{side}" for side in sides), "selectivity", "infrared_transmittance"]
+        columns = [summary.interval(name) for name in names]
+        for row, temperature in enumerate(summary.temperatures):
+            pairs = (column[:, row] for column in columns if column is not None)
+            ends = (f"{low:.4g} to {high:.4g}".replace("nan to nan", "–") for low, high in pairs)
+            table.add_row(f"{temperature:g}", *ends)
+        yield table
+    top = summary.thermal["top"]
+    if (1.0 - top.covered).max() < _LEAST_SHARE:
+        return
+    title = (
+        "radiation without optical data, and bounds if nothing or everything is absorbed, or "
+        "passes, there"
+    )
+    outside = "outside\nthe data", "of which\nextrapolated"
+    table = _table(title, ("at\n[K]", *outside, *hemispherical, through))
+    for row, temperature in enumerate(summary.temperatures):
+        bounded = (*summary.thermal.values(), summary.passing["thermal"])
+        table.add_row(
+            f"{temperature:g}",
+            f"{1.0 - top.covered[row]:.1%}",
+            f"{top.extrapolated_share[row]:.1%}",
+            *(f"{one.lower[row]:.3f} to {one.upper[row]:.3f}" for one in bounded),
+        )
+    yield table
 
 
 def _side_headings(what: str, sides: Sequence[str]) -> list[str]:
     """Headings of a column a side, of which the first says what it is."""
     return [f"{what if not number else ''}\n{side}" for number, side in enumerate(sides)]
-
-
-def _intervals(summary: "FilmSummary") -> Table | None:
-    """95 % intervals from the thicknesses."""
-    if summary.uncertainty is None:
-        return None
-    title = "95 % intervals from the stated ± of the layers' numbers"
-    sides = tuple(summary.thermal)
-    table = _table(title, ("at\n[K]", *_side_headings("hemispherical", sides),
-                           "absorptance\n/ emittance", "infrared\ntransmittance"))  # fmt: skip
-    names = (*(f"emittance_{side}" for side in sides), "selectivity", "infrared_transmittance")
-    columns = [summary.interval(name) for name in names]
-    for row, temperature in enumerate(summary.temperatures):
-        pairs = (column[:, row] for column in columns if column is not None)
-        ends = (f"{low:.4g} to {high:.4g}".replace("nan to nan", "–") for low, high in pairs)
-        table.add_row(f"{temperature:g}", *ends)
-    return table
-
-
-def _missing(summary: "FilmSummary") -> Table | None:
-    """Shares of the radiation without data, and bounds of the emittance."""
-    top = summary.thermal["top"]
-    if (1.0 - top.covered).max() < _LEAST_SHARE:
-        return None
-    title = (
-        "radiation without optical data, and bounds if nothing or everything is absorbed, or "
-        "passes, there"
-    )
-    table = _table(title, ("at\n[K]", "outside\nthe data", "of which\nextrapolated",
-                           *_side_headings("hemispherical", tuple(summary.thermal)),
-                           "infrared\ntransmittance"))  # fmt: skip
-    for row, temperature in enumerate(summary.temperatures):
-        table.add_row(
-            f"{temperature:g}", f"{1.0 - top.covered[row]:.1%}",
-            f"{top.extrapolated_share[row]:.1%}",
-            *(f"{one.lower[row]:.3f} to {one.upper[row]:.3f}"
-              for one in (*summary.thermal.values(), summary.passing["thermal"])),
-        )  # fmt: skip
-    return table

@@ -119,7 +119,30 @@ def init(
         raise ParameterError(f'--kind "{kind}" is unknown; choose from {", ".join(known)}')
     template = known[kind]
     path = Path(template.name) if path is None else path
-    text = template.read() if model is None else _with_model(kind, template, model)
+    text = template.read()
+    if model is not None:
+        if not template.is_flyer:
+            raise ParameterError(f'--model "{model}": --kind "{kind}" is not a flyer file')
+        from lightflyer.config.flyer_file import FlyerFile, models_for
+
+        suitable = models_for(type(FlyerFile(**tomllib.loads(text)).flyer))
+        if model not in suitable:
+            raise ParameterError(
+                f'--model "{model}" is not for --kind "{kind}"; choose from {", ".join(suitable)}'
+            )
+        own = _MODEL.search(text)
+        assert own is not None  # every template names its model
+        # the line goes on with what else there is
+        exchanged = {f'"{own[1]}"': f'"{model}"', f'"{model}"': f'"{own[1]}"'}
+        line = re.sub("|".join(exchanged), lambda name: exchanged[name[0]], own[0])
+        text = text.replace(own[0], line)
+        try:
+            setup = FlyerFile(**tomllib.loads(text)).build()
+            gas = getattr(setup.environment, "gas", None)  # every template's environment has one
+            if gas is not None:
+                setup.model.require_gas(gas)
+        except (ConfigurationError, ParameterError) as error:
+            raise ParameterError(f'--model "{model}" with --kind "{kind}": {error}') from None
     try:
         if path.exists() and not force:
             raise OutputError(f"{path}: already exists; --force overwrites it")
@@ -138,30 +161,3 @@ def init(
         console.print(f"it needs a flyer file: lightflyer init {flyer}", soft_wrap=True)
     for command in template.following:
         console.print(f"next: lightflyer {command.format(path)}", soft_wrap=True)
-
-
-def _with_model(kind: str, template: Template, model: str) -> str:
-    """A template's text with another force model, which must be for its flyer and gas."""
-    if not template.is_flyer:
-        raise ParameterError(f'--model "{model}": --kind "{kind}" is not a flyer file')
-    from lightflyer.config.flyer_file import FlyerFile, models_for
-
-    text = template.read()
-    suitable = models_for(type(FlyerFile(**tomllib.loads(text)).flyer))
-    if model not in suitable:
-        known = ", ".join(suitable)
-        raise ParameterError(f'--model "{model}" is not for --kind "{kind}"; choose from {known}')
-    own = _MODEL.search(text)
-    assert own is not None  # every template names its model
-    # the line goes on with what else there is
-    exchanged = {f'"{own[1]}"': f'"{model}"', f'"{model}"': f'"{own[1]}"'}
-    line = re.sub("|".join(exchanged), lambda name: exchanged[name[0]], own[0])
-    text = text.replace(own[0], line)
-    try:
-        setup = FlyerFile(**tomllib.loads(text)).build()
-        gas = getattr(setup.environment, "gas", None)  # every template's environment has one
-        if gas is not None:
-            setup.model.require_gas(gas)
-    except (ConfigurationError, ParameterError) as error:
-        raise ParameterError(f'--model "{model}" with --kind "{kind}": {error}') from None
-    return text

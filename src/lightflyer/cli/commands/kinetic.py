@@ -17,7 +17,7 @@ from lightflyer.files.result_text import table_of
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from lightflyer.kinetic_theory import Chamber, ChamberSolution, Solution
+    from lightflyer.kinetic_theory import ChamberSolution, Solution
 
 SurfaceName = Literal["floor", "lid", "side"]
 
@@ -142,6 +142,7 @@ def kinetic_command(
             "combined with --temperature-ratio"
         )
     from lightflyer.core.atomic_files import output_directory
+    from lightflyer.kinetic_theory import solve, solve_in_chamber
 
     # a folder that cannot be written is found before, not after, a long solution
     written: list[str] = []
@@ -175,16 +176,29 @@ def kinetic_command(
                     for name, (distance, temperature) in places.items()
                 }
             )
-        others = {
+        others: dict[str, Any] = {
             "open_fraction": open_fraction,
             "boundary": boundary,
             "collisions": collisions,
             "viscosity_exponent": viscosity_exponent,
             "collision_number": collision_number,
         }
-        film = {"film": "local" if local_balance else "isothermal", "radiation": radiation}
-        faces = kn, tac_top, tac_bottom
-        solution = _solve(faces, heated, others, film, chamber)
+        film: dict[str, Any] = {
+            "film": "local" if local_balance else "isothermal",
+            "radiation": radiation,
+        }
+        solution: Solution | ChamberSolution
+        if chamber is None and film == {"film": "isothermal", "radiation": 0.0}:
+            solution = solve(kn, tac_top, tac_bottom, **heated, **others)
+        else:
+            usual = {"open_fraction": 0.0, "collisions": "shakhov"}
+            for name, value in others.items():
+                if value != usual.get(name):
+                    raise ParameterError(
+                        f"--{name.replace('_', '-')} cannot be combined with --floor, --lid, "
+                        "--side or --local-balance"
+                    )
+            solution = solve_in_chamber(kn, tac_top, tac_bottom, **heated, **film, chamber=chamber)
         if stage is not None:
             report("drawing the flow")
             from lightflyer.kinetic_theory.figures import flow_figure
@@ -200,28 +214,6 @@ def kinetic_command(
         _show(console, solution)
         hint = "add --out FOLDER to write a figure of the flow"
         figures.tell(console, [] if out is None else [out / name for name in written], hint)
-
-
-def _solve(
-    faces: tuple[float, float, float],
-    heated: dict[str, Any],
-    others: dict[str, Any],
-    film: dict[str, Any],
-    chamber: "Chamber | None",
-) -> "Solution | ChamberSolution":
-    from lightflyer.kinetic_theory import solve, solve_in_chamber
-
-    kn, tac_top, tac_bottom = faces
-    if chamber is None and film == {"film": "isothermal", "radiation": 0.0}:
-        return solve(kn, tac_top, tac_bottom, **heated, **others)
-    usual = {"open_fraction": 0.0, "collisions": "shakhov"}
-    for name, value in others.items():
-        if value != usual.get(name):
-            option = f"--{name.replace('_', '-')}"
-            raise ParameterError(
-                f"{option} cannot be combined with --floor, --lid, --side or --local-balance"
-            )
-    return solve_in_chamber(kn, tac_top, tac_bottom, **heated, **film, chamber=chamber)
 
 
 def _show(console: "Console", solution: "Solution | ChamberSolution") -> None:

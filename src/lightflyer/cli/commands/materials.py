@@ -46,20 +46,55 @@ def materials_command(
     if search is not None:
         found = search_pages(search)
         pages = sorted(found, key=lambda page: not _ELEMENT.fullmatch(page.formula.split()[0]))
-        words = set(search.lower().split())
-        described = [entry for entry in described if words <= _words(entry)]
+        words, told = set(search.lower().split()), ("name", "description", "source")
+        for entry in [*described]:
+            text = " ".join([*(entry[key] for key in told), *entry["other_names"]]).lower()
+            if not words <= set(text.replace(",", " ").replace("/", " ").split()):
+                described.remove(entry)
     if json_output:
         listed = {} if search is None else {"pages": [_page(page) for page in pages]}
         print_json({"materials": described} | listed)
         return
     console = printer()
     if search is not None and len(described) + len(pages) > _IN_FULL:
-        _show_short(described, pages)
+        # a line for each material of the package, then for each page, elements first
+        shown = [*described, *map(_page, pages[:_SHOWN])]
+        rows = Table(box=None, padding=(0, 1), show_header=False)
+        longest = max(len(entry["name"]) for entry in shown)
+        rows.add_column(style="bold", no_wrap=True, min_width=longest)  # it is typed
+        rows.add_column(no_wrap=True, min_width=_RANGE)
+        rows.add_column(no_wrap=True, overflow="ellipsis")
+        for entry in shown:
+            ends = "–".join(f"{end:.3g}" for end in entry["wavelength_range_um"])
+            rows.add_row(entry["name"], f"{ends} µm", entry.get("title") or entry["description"])
+        console.print(rows)
+        left = len(pages[_SHOWN:])
+        more = f"{left} more pages of refractiveindex.info have it: give more words; "
+        console.print(
+            f"{more * bool(left)}few are shown with sources and densities; --json has all"
+        )
         return
     for entry in described:
         console.print(_table(entry))
     if search is not None:
-        _show_pages(pages, search)
+        shown = [_page(page) for page in pages]
+        width = max((len(entry["name"]) for entry in shown), default=0)
+        for entry in shown:
+            first, last = entry["wavelength_range_um"]
+            rows = _rows(width)
+            group = f" ({entry['group']})" if entry["group"] else ""
+            rows.add_row(entry["name"], "what", f"{entry['formula']}{group}: {entry['title']}")
+            parts = [f"{' and '.join(entry['quantities'])}, {first:.5g} µm to {last:.5g} µm"]
+            if entry["temperature_K"] is not None:
+                parts.append(f"{entry['temperature_K']:g} K")
+            if entry["density_kg_m3"] is not None:
+                parts.append(f"{entry['density_kg_m3'] / 1e3:g} g/cm³")
+            parts += filter(None, (entry["direction"], entry["comments"]))
+            rows.add_row("", "range", ", ".join(parts))
+            rows.add_row("", "source", entry["reference"])
+            console.print(rows)
+        count = f"{len(pages)} page{'s' * (len(pages) > 1)} of refractiveindex.info"
+        console.print(count if pages else f'no page of refractiveindex.info has "{search}"')
         return
     console.print('a page of refractiveindex.info works too: find it by --search "words"')
     console.print('a CSV file works too: material = "mine.csv", columns wavelength [um],n,k')
@@ -84,11 +119,6 @@ def _describe(one: "Medium") -> dict[str, Any]:
         "mechanics_source": mechanics_source(one.name),
         "source": one.source,
     }
-
-
-def _words(entry: dict[str, Any]) -> set[str]:
-    text = " ".join([entry["name"], *entry["other_names"], entry["description"], entry["source"]])
-    return set(text.lower().replace(",", " ").replace("/", " ").split())
 
 
 def _page(page: "DatabasePage") -> dict[str, Any]:
@@ -139,44 +169,3 @@ def _rows(width: int = 10) -> Table:
     rows.add_column(width=8)
     rows.add_column(overflow="fold")
     return rows
-
-
-def _show_short(described: list[dict[str, Any]], pages: "list[DatabasePage]") -> None:
-    """A line for each material of the package, then for each page, elements first."""
-    console, shown = printer(), [_page(page) for page in pages[:_SHOWN]]
-    rows = Table(box=None, padding=(0, 1), show_header=False)
-    longest = max(len(entry["name"]) for entry in (*described, *shown))
-    rows.add_column(style="bold", no_wrap=True, min_width=longest)  # it is typed
-    rows.add_column(no_wrap=True, min_width=_RANGE)
-    rows.add_column(no_wrap=True, overflow="ellipsis")
-    for entry in (*described, *shown):
-        ends = "–".join(f"{end:.3g}" for end in entry["wavelength_range_um"])
-        rows.add_row(entry["name"], f"{ends} µm", entry.get("title") or entry["description"])
-    console.print(rows)
-    left = len(pages) - len(shown)
-    more = f"{left} more pages of refractiveindex.info have it: give more words; " if left else ""
-    console.print(f"{more}few are shown with sources and densities; --json has all")
-
-
-def _show_pages(pages: "list[DatabasePage]", search: str) -> None:
-    console = printer()
-    shown = [_page(page) for page in pages]
-    width = max((len(entry["name"]) for entry in shown), default=0)
-    for entry in shown:
-        first, last = entry["wavelength_range_um"]
-        rows = _rows(width)
-        group = f" ({entry['group']})" if entry["group"] else ""
-        rows.add_row(entry["name"], "what", f"{entry['formula']}{group}: {entry['title']}")
-        parts = [f"{' and '.join(entry['quantities'])}, {first:.5g} µm to {last:.5g} µm"]
-        if entry["temperature_K"] is not None:
-            parts.append(f"{entry['temperature_K']:g} K")
-        if entry["density_kg_m3"] is not None:
-            parts.append(f"{entry['density_kg_m3'] / 1e3:g} g/cm³")
-        parts += filter(None, (entry["direction"], entry["comments"]))
-        rows.add_row("", "range", ", ".join(parts))
-        rows.add_row("", "source", entry["reference"])
-        console.print(rows)
-    if pages:
-        console.print(f"{len(pages)} page{'s' * (len(pages) > 1)} of refractiveindex.info")
-    else:
-        console.print(f'no page of refractiveindex.info has "{search}"')

@@ -48,6 +48,14 @@ def fly_command(
     from lightflyer.mission.fleet import forget_flights, keeps_flights
     from lightflyer.mission.mission import fly
     from lightflyer.mission.mission_file import read_mission_file
+    from lightflyer.mission.report.dataset import (
+        has_several,
+        write_csv,
+        write_ends_csv,
+        write_netcdf,
+    )
+    from lightflyer.mission.report.ground import write_passes_csv
+    from lightflyer.mission.report.maps import write_geojson, write_kml
     from lightflyer.mission.report.summary import summarise
     from lightflyer.mission.report.text import mission_parts
 
@@ -67,7 +75,18 @@ def fly_command(
 
     if out is not None:
         report("writing")
-    written = figures.write_folder(out, _files(dataset, found), draw)
+    files = {
+        "mission.nc": partial(write_netcdf, dataset),
+        "mission.csv": partial(write_csv, dataset),
+        "mission.kml": partial(write_kml, dataset),
+        "mission.geojson": partial(write_geojson, dataset),
+        "mission.json": found,
+    }
+    if has_several(dataset):
+        files["mission-ends.csv"] = partial(write_ends_csv, dataset)
+    if "telemetry" in found:
+        files["mission-passes.csv"] = partial(write_passes_csv, found["telemetry"])
+    written = figures.write_folder(out, files, draw)
     if folder is not None and not interrupted:
         forget_flights(folder)
     if json_output:
@@ -80,32 +99,6 @@ def fly_command(
         figures.tell(console, written, "add --out FOLDER to write figures and data")
     if interrupted:
         raise KeyboardInterrupt
-
-
-def _files(dataset: "xr.Dataset", found: dict[str, Any]) -> dict[str, Any]:
-    """What is written, by name."""
-    from lightflyer.mission.report.dataset import (
-        has_several,
-        write_csv,
-        write_ends_csv,
-        write_netcdf,
-    )
-    from lightflyer.mission.report.maps import write_geojson, write_kml
-
-    files = {
-        "mission.nc": partial(write_netcdf, dataset),
-        "mission.csv": partial(write_csv, dataset),
-        "mission.kml": partial(write_kml, dataset),
-        "mission.geojson": partial(write_geojson, dataset),
-        "mission.json": found,
-    }
-    if has_several(dataset):
-        files["mission-ends.csv"] = partial(write_ends_csv, dataset)
-    if "telemetry" in found:
-        from lightflyer.mission.report.ground import write_passes_csv
-
-        files["mission-passes.csv"] = partial(write_passes_csv, found["telemetry"])
-    return files
 
 
 Members = Annotated[int | None, Parameter(negative=())]

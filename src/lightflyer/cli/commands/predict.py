@@ -1,6 +1,7 @@
 """``lightflyer predict``, ``compare``: what flyers will do, one by one or side by side."""
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,7 +9,6 @@ from cyclopts import Parameter
 
 from lightflyer.cli.options import (
     AS_USUAL,
-    FigureOptions,
     Json,
     ResultOptions,
     Samples,
@@ -16,14 +16,13 @@ from lightflyer.cli.options import (
     coordinate,
     coordinate_range,
 )
-from lightflyer.cli.output import print_json, printer, say, show, write_json
+from lightflyer.cli.output import print_json, printer, say, show
 from lightflyer.core.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.config.flyer_file import FlyerFile
-    from lightflyer.environment.base import Coordinate
     from lightflyer.prediction.prediction import Prediction
 
 
@@ -75,7 +74,13 @@ def predict_command(
     require_samples(samples, seed, "--")
     design = read_design(flyer_file)
     file, where = design.file, design.setup.environment.coordinate
-    prediction = predict_with_bands(design, _parse_coordinates(at, where), samples, seed)
+    points = None
+    if at is not None:
+        asked = map(str.strip, at.split(","))
+        points = [coordinate("--at", part, where) for part in asked if part]
+        if not points:
+            raise ConfigurationError(f'--at "{at}" names no {where.name}')
+    prediction = predict_with_bands(design, points, samples, seed)
     incidence = float(file.environment.light_incidence)
     summary = prediction.summary() | {
         name: film.report(incidence, passing=file.flyer.needs_transmittance)
@@ -84,7 +89,7 @@ def predict_command(
     }
     written: list[Path] = []
     if out is not None:
-        written = _write(out, file, flyer_file, prediction, summary, figures, csv=csv)
+        written = _write(out, flyer_file, file, prediction, summary, figures, csv=csv)
     if json_output:
         print_json(summary)
         return
@@ -119,33 +124,22 @@ def predict_command(
         say(console, f"next: --verbose for all results, or: lightflyer explore {flyer_file}")
 
 
-def _parse_coordinates(at: str | None, where: "Coordinate") -> list[float] | None:
-    """The coordinates of ``--at`` in SI units."""
-    if at is None:
-        return None
-    points = [coordinate("--at", part, where) for part in map(str.strip, at.split(",")) if part]
-    if not points:
-        raise ConfigurationError(f'--at "{at}" names no {where.name}')
-    return points
-
-
 def _write(
     out: Path,
-    file: "FlyerFile",
     flyer_file: Path,
+    file: "FlyerFile",
     prediction: "Prediction",
     summary: dict[str, Any],
-    options: FigureOptions,
+    figures: ResultOptions,
     *,
     csv: bool,
 ) -> list[Path]:
-    from lightflyer.core.atomic_files import output_directory, write_columns
+    from lightflyer.core.atomic_files import write_columns
     from lightflyer.prediction.figures import prediction_figures
     from lightflyer.prediction.tables import columns, write_csv
 
     uncertainty = prediction.uncertainty
-    text = flyer_file.read_text(encoding="utf-8-sig")
-    coords, variables, attributes = columns(prediction, text)
+    coords, variables, attributes = columns(prediction, flyer_file.read_text(encoding="utf-8-sig"))
     attributes["uncertainties"] = json.dumps(file.uncertainties())
     attributes["summary"] = json.dumps(summary)
     if uncertainty is not None:
@@ -153,22 +147,20 @@ def _write(
             whole |= bands
 
     def draw() -> "dict[str, Figure]":
-        figures = prediction_figures(prediction)
+        drawn = prediction_figures(prediction)
         if uncertainty is not None:
             from lightflyer.uncertainty.text import add_to_figures
 
-            add_to_figures(figures, uncertainty)
-        return figures
+            add_to_figures(drawn, uncertainty)
+        return drawn
 
-    names = ["prediction.nc", "prediction.json"]
-    with output_directory(out) as stage:
-        write_columns(stage("prediction.nc"), coords | variables, attributes)
-        write_json(stage("prediction.json"), summary)
-        if csv:
-            names.append("prediction.csv")
-            write_csv(prediction, stage("prediction.csv"))
-        names += options.write(stage, draw)
-    return [out / name for name in names]
+    files: dict[str, Any] = {
+        "prediction.nc": lambda path: write_columns(path, coords | variables, attributes),
+        "prediction.json": summary,
+    }
+    if csv:
+        files["prediction.csv"] = partial(write_csv, prediction)
+    return figures.write_folder(out, files, draw)
 
 
 def compare_command(

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from lightflyer.cli.options import AS_USUAL, Json, ResultOptions, Whole
 from lightflyer.cli.output import duration, in_words, print_json, printer, say, show, with_prefix
@@ -58,15 +57,21 @@ def sweep_command(
         Print one JSON object instead of tables.
     """
     from lightflyer.compute.evaluation import CHUNK
-    from lightflyer.parametric.run import open_sweep, sweep_into
+    from lightflyer.files.display_units import suitable
+    from lightflyer.parametric.run import LARGEST, estimate, open_sweep, sweep_into
     from lightflyer.study.study import read_study
 
     for name, value in (("--workers", workers), ("--chunk", chunk)):
         if value is not None and value < 1:
             raise ParameterError(f"{name} must be at least 1")
     study = read_study(study_file)
-    if not yes:
-        _require_reasonable(study, out)
+    if not yes and study.size > LARGEST:
+        costs = estimate(study, out)
+        size, free = (with_prefix(count, "B") for count in (costs.size, costs.free))
+        raise ConfigurationError(
+            f"the study has {in_words(costs.designs)} designs: about {duration(costs.seconds)} on "
+            f"this machine and {size} on the disk, which has {free} free; start it with --yes"
+        )
     report = sweep_into(
         study,
         out,
@@ -75,9 +80,8 @@ def sweep_command(
         chunk=CHUNK if chunk is None else chunk,
         device=device,
     )
-    dataset = open_sweep(out)
+    name, best = _best(open_sweep(out))
     if json_output:
-        name, best = _best(dataset)
         print_json(
             {
                 "out": str(out),
@@ -94,49 +98,29 @@ def sweep_command(
             }
         )
         return
-    _show(printer(), study, report, dataset)
-    console = printer()
-    console.print(f"wrote {out}", soft_wrap=True)
-    across = next(iter(study.dimensions[0].values), "FIELD") if study.dimensions else "FIELD"
-    judged = _best(dataset)[0] or study.outputs[0]
-    say(console, f"next: lightflyer map {out} --x {across} --value {judged}")
-
-
-def _require_reasonable(study: "Study", out: Path) -> None:
-    from lightflyer.parametric.run import LARGEST, estimate
-
-    if study.size <= LARGEST:
-        return
-    found = estimate(study, out)
-    size, free = (with_prefix(count, "B") for count in (found.size, found.free))
-    raise ConfigurationError(
-        f"the study has {in_words(found.designs)} designs: about {duration(found.seconds)} on this "
-        f"machine and {size} on the disk, which has {free} free; start it with --yes"
-    )
-
-
-def _show(console: Console, study: "Study", report: "SweepReport", dataset: "xr.Dataset") -> None:
-    from lightflyer.files.display_units import suitable
-
     rows, fields = [], study.fields
     for dimension in study.dimensions:
-        for name, values in dimension.values.items():
-            factor, unit = suitable(fields[name].quantity.unit, values)
+        for field, values in dimension.values.items():
+            factor, unit = suitable(fields[field].quantity.unit, values)
             ends = (f"{end * factor:.6g}" for end in (values.min(), values.max()))
-            rows.append((name, str(len(values)), *ends, unit))
-    for name, value in study.fixed.items():
-        factor, unit = suitable(fields[name].quantity.unit, value)
-        rows.append((name, "1", f"{value * factor:.6g}", "", unit))
+            rows.append((field, str(len(values)), *ends, unit))
+    for field, number in study.fixed.items():
+        factor, unit = suitable(fields[field].quantity.unit, number)
+        rows.append((field, "1", f"{number * factor:.6g}", "", unit))
+    console = printer()
     console.print(table_of(("field", "values", "from", "to", "unit"), rows, left=(0, 4)))
     console.print(report_line(report), soft_wrap=True)
     if report.not_converged:
         console.print(f"{report.not_converged} designs have not converged and are NaN")
-    name, best = _best(dataset)
     if name:
         shown = f"no design has a {name}" if best is None else f"largest {name}: {best}"
         console.print(shown, soft_wrap=True)
     for text in _warnings(study, best):
         console.print(f"warning: {text}", soft_wrap=True)
+    console.print(f"wrote {out}", soft_wrap=True)
+    across = next(iter(study.dimensions[0].values), "FIELD") if study.dimensions else "FIELD"
+    judged = name or study.outputs[0]
+    say(console, f"next: lightflyer map {out} --x {across} --value {judged}")
 
 
 def _warnings(study: "Study", best: "BestDesign | None") -> tuple[str, ...]:
@@ -237,38 +221,34 @@ def map_command(
         if name:
             asked[name] = text
     sliced, chosen = choose_slice(dataset, output, fields, asked)
-    names = [*fields, output]
-    written = figures.write_folder(out, {}, lambda: _draw(dataset, sliced, names, pareto=pareto))
+
+    def draw() -> "dict[str, Figure]":
+        from lightflyer.files.drawing import new_figure
+        from lightflyer.parametric.figures import draw_line, draw_map, pareto_figure
+
+        figure = new_figure()
+        if len(fields) == 1:
+            draw_line(sliced, fields[0], output, figure.axes[0])
+        else:
+            draw_map(sliced, fields[0], fields[1], output, figure.axes[0])
+        drawn = {f"{output}-map": figure}
+        if pareto:
+            fronts = pareto_figure(dataset, output)
+            if fronts is None:
+                raise ConfigurationError(
+                    f"--pareto: the sweep has no altitude, levitation_irradiance or temperature to "
+                    f"compare {output} with"
+                )
+            drawn[f"{output}-pareto"] = fronts
+        return drawn
+
+    written = figures.write_folder(out, {}, draw)
     finding, table = map_parts(sliced, fields, output)
     console.print(finding, soft_wrap=True)
     for name, (number, unit) in chosen.items():
         console.print(f"at {name} {amount(number, unit)}")
     show(console, [table])
     figures.tell(console, written)
-
-
-def _draw(
-    dataset: "xr.Dataset", sliced: "xr.Dataset", names: list[str], *, pareto: bool
-) -> "dict[str, Figure]":
-    from lightflyer.files import drawing as plot
-    from lightflyer.parametric import figures as sweep_figures
-
-    *fields, output = names
-    figure = plot.new_figure()
-    if len(fields) == 1:
-        sweep_figures.draw_line(sliced, fields[0], output, figure.axes[0])
-    else:
-        sweep_figures.draw_map(sliced, fields[0], fields[1], output, figure.axes[0])
-    figures = {f"{output}-map": figure}
-    if pareto:
-        fronts = sweep_figures.pareto_figure(dataset, output)
-        if fronts is None:
-            raise ConfigurationError(
-                f"--pareto: the sweep has no altitude, levitation_irradiance or temperature to "
-                f"compare {output} with"
-            )
-        figures[f"{output}-pareto"] = fronts
-    return figures
 
 
 _JSON = "optimum.json"

@@ -126,19 +126,13 @@ def _shade_bands(prediction: "Prediction", ax: Axes) -> None:
                 hatch(ax, factor * start, factor * end)
 
 
-def _fade_extrapolated(prediction: "Prediction", ax: Axes) -> None:
-    """Fade what is drawn where force model or gas are outside their ranges."""
-    places = prediction.coordinates
-    outside = prediction.table["covered"] < 1.0
-    ends = np.flatnonzero(np.diff(np.r_[False, outside, False])).reshape(-1, 2)
-    middles = across(prediction) * np.r_[places[0], 0.5 * (places[1:] + places[:-1]), places[-1]]
-    for start, end in ends:
-        fade(ax, middles[start], middles[end])
-
-
 def _coordinate_axis(prediction: "Prediction", ax: Axes) -> None:
-    where = prediction.coordinate
-    _fade_extrapolated(prediction, ax)
+    where, places = prediction.coordinate, across(prediction) * prediction.coordinates
+    # what is drawn where force model or gas are outside their ranges is faded
+    outside = np.r_[False, prediction.table["covered"] < 1.0, False]
+    middles = np.r_[places[0], 0.5 * (places[1:] + places[:-1]), places[-1]]
+    for start, end in np.flatnonzero(np.diff(outside)).reshape(-1, 2):
+        fade(ax, middles[start], middles[end])
     low, high = _shown_range(prediction)
     if where.logarithmic:
         ax.set_xscale("log")
@@ -147,7 +141,6 @@ def _coordinate_axis(prediction: "Prediction", ax: Axes) -> None:
     ax.set_xlabel(f"{where.long_name.rpartition(' ')[2]} [{where.shown_unit}]")
     ax.grid(alpha=0.25, which="both" if where.logarithmic else "major")
     if where.name != "pressure":
-        places = prediction.coordinates * across(prediction)
         log_pressure = np.log10(prediction.table["pressure"])
 
         def to_log_pressure(x: Any) -> np.ndarray:

@@ -212,20 +212,55 @@ class Prediction(PrintedResult):
         band, pressures = None, None
         if widest is not None:
             band, pressures = bands[widest], list(self.band_pressures[widest])
-        group, _ = self.coordinate.easiest_keys
+        group, light = self.coordinate.easiest_keys
+        easiest = None
+        if self.easiest is not None:
+            easiest = {
+                light: _number(self.easiest.values["levitation_irradiance"]),
+                key: self.easiest.coordinate * factor,
+                "temperature_k": _number(self.easiest.values["levitation_temperature"]),
+            }
+        found = self.verdict
+        release, strongest, night = found.lowest_release, found.strongest_light, found.longest_night
+        nodes = ("temperature", *node_outputs(self.setup.flyer))
+        places = {
+            name: None if place is None else self.place_summary(place, names)
+            for name, place, names in (
+                ("best", found.best, self.best_names),
+                ("rest", found.rest, nodes),
+                ("best_covered", found.best_covered, self.best_names),
+            )
+        }
         described: dict[str, Any] = {
             f"{self.coordinate.name}_band{unit}": band,
             f"{self.coordinate.name}_bands{unit}": bands,
             "pressure_band_pa": pressures,
-            group: self._easiest_summary(),
+            group: easiest,
             "best": self.place_summary(self.best, self.best_names),
             "at": [
                 self.place_summary(self.place(index), self.point_names)
                 for index in range(self.asked.size)
             ],
-        }
-        described |= {
-            "verdict": self._verdict_summary(),
+            "verdict": {
+                "limit": found.limit,
+                "shape_failures": list(found.shape_failures),
+                "highest_temperature_k": found.highest_temperature,
+                f"usable_bands{unit}": [
+                    [low * factor, high * factor] for low, high in found.usable
+                ],
+                "best": places["best"],
+                f"lowest_release{unit}": None if release is None else release * factor,
+                "rest": places["rest"],
+                "longest_night_h": None if night is None else _number(night / 3600.0),
+                "survives": found.survives,
+                "strongest_light_w_m2": None if strongest is None else _number(strongest),
+                "ballast_mg": found.ballast and [1e6 * end for end in found.ballast],
+                "carries_afloat": found.carries_afloat,
+                f"covered_bands{unit}": [
+                    [low * factor, high * factor] for low, high in found.covered
+                ],
+                "best_covered": places["best_covered"],
+            },
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
         }
@@ -255,44 +290,6 @@ class Prediction(PrintedResult):
             json_key, scale = known[name].json
             described[json_key] = _number(place.values[name] * scale)
         return described
-
-    def _verdict_summary(self) -> dict[str, Any]:
-        found, (key, factor) = self.verdict, self.coordinate_key
-        unit, release = key.removeprefix(self.coordinate.name), found.lowest_release
-        highest, light = found.highest_temperature, found.strongest_light
-        rest, best = found.rest, found.best
-        names = ("temperature", *node_outputs(self.setup.flyer))
-        return {
-            "limit": found.limit,
-            "shape_failures": list(found.shape_failures),
-            "highest_temperature_k": highest,
-            f"usable_bands{unit}": [[low * factor, high * factor] for low, high in found.usable],
-            "best": None if best is None else self.place_summary(best, self.best_names),
-            f"lowest_release{unit}": None if release is None else release * factor,
-            "rest": None if rest is None else self.place_summary(rest, names),
-            "longest_night_h": None
-            if found.longest_night is None
-            else _number(found.longest_night / 3600.0),
-            "survives": found.survives,
-            "strongest_light_w_m2": None if light is None else _number(light),
-            "ballast_mg": None if found.ballast is None else [1e6 * end for end in found.ballast],
-            "carries_afloat": found.carries_afloat,
-            f"covered_bands{unit}": [[low * factor, high * factor] for low, high in found.covered],
-            "best_covered": None
-            if found.best_covered is None
-            else self.place_summary(found.best_covered, self.best_names),
-        }
-
-    def _easiest_summary(self) -> dict[str, Any] | None:
-        if self.easiest is None:
-            return None
-        key, factor = self.coordinate_key
-        values = self.easiest.values
-        return {
-            self.coordinate.easiest_keys[1]: _number(values["levitation_irradiance"]),
-            key: self.easiest.coordinate * factor,
-            "temperature_k": _number(values["levitation_temperature"]),
-        }
 
     @cached_property
     def dataset(self) -> "xr.Dataset":
@@ -326,7 +323,15 @@ def predict_design(
     easiest: Place | None = rows.place(found.easiest, found.at_easiest)
     if easiest is not None and np.isnan(easiest.coordinate):
         easiest = None
-    asked = _reported_coordinates(where, coordinates, at, bands or [(best.coordinate,) * 2])
+    if at is None:  # round ones on and around the bands
+        around = np.ravel(bands or best.coordinate)
+        ends, whole = where.to_axis(around[[0, -1]]), where.to_axis(coordinates[[0, -1]])
+        more = max(_AROUND * np.ptp(ends), _LEAST_AROUND * np.ptp(whole))
+        low, high = where.from_axis(np.clip(ends + np.array([-more, more]), *whole))
+        asked = where.round_points(float(low), float(high), _ROWS)
+    else:
+        asked = np.ravel(np.asarray(where.quantity.number("at", at), float))
+        where.quantity.check(f"{where.name} [{where.unit}]", asked)
     at_asked = evaluate(asked) if asked.size else dict.fromkeys(table, asked)
     edges = np.array(bands).reshape(-1, 2)
     pressures = edges
@@ -337,6 +342,15 @@ def predict_design(
     reported = np.unique(np.concatenate([*flying, edges.ravel(), explicit, [best.coordinate]]))
     temperature = evaluate(reported, names=("temperature",))["temperature"]
     solved = ~np.isnan(temperature)
+    temperatures = None
+    if setup.environment.dimmable_light:
+        lamp, (across, up) = evaluate.irradiance, _MAP_POINTS
+        least = lamp if easiest is None else easiest.values["levitation_irradiance"]
+        pressure = np.geomspace(coordinates[0], coordinates[-1], across)
+        irradiance = np.linspace(0.0, _MAP_TOP * max(lamp, least), up)
+        grid = np.meshgrid(pressure, irradiance, indexing="ij")
+        found_there = evaluate(grid[0].ravel(), grid[1].ravel(), ("temperature",))["temperature"]
+        temperatures = TemperatureMap(pressure, irradiance, found_there.reshape(grid[0].shape))
     return Prediction(
         setup=setup,
         coordinates=coordinates,
@@ -347,7 +361,7 @@ def predict_design(
         at=at_asked,
         easiest=easiest,
         best=best,
-        map=_map(evaluate, coordinates, easiest) if setup.environment.dimmable_light else None,
+        map=temperatures,
         warnings=(
             *design.warnings,
             *_describe_unsolved(where, coordinates, table),
@@ -367,24 +381,6 @@ def search_grid(setup: Setup, points: int) -> np.ndarray:
     return where.evenly(low, high, points)
 
 
-def _reported_coordinates(
-    where: Coordinate,
-    searched: np.ndarray,
-    at: Sequence[float] | None,
-    bands: list[tuple[float, float]],
-) -> np.ndarray:
-    """Coordinates asked for, or round ones on and around the bands."""
-    if at is None:
-        ends = where.to_axis(np.array([bands[0][0], bands[-1][1]]))
-        whole = where.to_axis(searched[[0, -1]])
-        more = max(_AROUND * np.ptp(ends), _LEAST_AROUND * np.ptp(whole))
-        low, high = where.from_axis(np.clip(ends + np.array([-more, more]), *whole))
-        return where.round_points(float(low), float(high), _ROWS)
-    asked = np.ravel(np.asarray(where.quantity.number("at", at), float))
-    where.quantity.check(f"{where.name} [{where.unit}]", asked)
-    return asked
-
-
 def _describe_unsolved(where: Coordinate, coordinates: np.ndarray, table: Table) -> Iterator[str]:
     """What is missing, where a balance has no solution within the tolerance."""
     unbalanced = np.isnan(table["lift_over_weight"])
@@ -399,15 +395,3 @@ def _describe_unsolved(where: Coordinate, coordinates: np.ndarray, table: Table)
                 f"{what} missed its tolerance at {missing.sum()} of {missing.size} {where.name}s, "
                 f"{' to '.join(dict.fromkeys(ends))} {where.shown_unit}: missing there"
             )
-
-
-def _map(evaluate: Evaluator, coordinates: np.ndarray, easiest: Place | None) -> TemperatureMap:
-    lamp = evaluate.irradiance
-    least = lamp if easiest is None else easiest.values["levitation_irradiance"]
-    across, up = _MAP_POINTS
-    pressure = np.geomspace(coordinates[0], coordinates[-1], across)
-    irradiance = np.linspace(0.0, _MAP_TOP * max(lamp, least), up)
-    grid = np.meshgrid(pressure, irradiance, indexing="ij")
-    names = ("temperature",)
-    temperature = evaluate(grid[0].ravel(), grid[1].ravel(), names)["temperature"]
-    return TemperatureMap(pressure, irradiance, temperature.reshape(grid[0].shape))

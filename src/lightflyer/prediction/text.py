@@ -78,7 +78,17 @@ def prediction_parts(
         yield _results(prediction, prediction.summary())
     yield from (wrap(line, width) for line in warning_lines(prediction.other_warnings))
     has_brackets = any("(" in line for line in told)
-    yield wrap(_force_line(prediction, sources * has_brackets), width)
+    # what lifts it, by which force model, how far that reaches, and where bands are from
+    setup, found, covers = prediction.setup, prediction.verdict, ""
+    if found.covered != prediction.bands:
+        covers = ", which covers nothing of that range: all is extrapolated"
+    if covers and found.covered:
+        covers = f", which covers it {_ranges(prediction, found.covered, _NONE, 'covered')}"
+    if found.best_covered is not None:
+        place = _place_text(prediction, found.best_covered.coordinate)
+        covers += f", where it carries up to {_most_payload(found.best_covered)} at {place}"
+    force = f"force: {type(setup.model).__name__}{covers}{sources * has_brackets}"
+    yield wrap(f"lifted by {setup.flyer.lifted_by}; {force}", width)
     if verbose:
         yield wrap("; ".join(prediction.assumptions), width)
 
@@ -117,22 +127,6 @@ def verdict_lines(
         held = "Afloat at" if found.carries_afloat else "Held at" if found.rest else "At"
         place = _place_text(prediction, found.best.coordinate)
         yield f"{held} {place} it carries up to {_most_payload(found.best, bands)}."
-
-
-def _force_line(prediction: "Prediction", sources: str) -> str:
-    """What lifts it, by which force model, how far that reaches, and where bands are from."""
-    setup, found = prediction.setup, prediction.verdict
-    covers = ""
-    if found.covered != prediction.bands:
-        covers = ", which covers nothing of that range: all is extrapolated"
-    if covers and found.covered:
-        covers = f", which covers it {_ranges(prediction, found.covered, _NONE, 'covered')}"
-    if found.best_covered is not None:
-        place = _place_text(prediction, found.best_covered.coordinate)
-        covers += f", where it carries up to {_most_payload(found.best_covered)} at {place}"
-    return (
-        f"lifted by {setup.flyer.lifted_by}; force: {type(setup.model).__name__}{covers}{sources}"
-    )
 
 
 def _survival(survives: bool, band_is_above: bool, share: float | None) -> str:
@@ -263,7 +257,11 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
         edge = ".4g" if where.logarithmic else ".3f"
         bands = summary[f"{where.name}_bands{key.removeprefix(where.name)}"]
         shown = ", ".join(f"{low:{edge}} {unit} to {high:{edge}} {unit}" for low, high in bands)
-        rows["levitates"] = shown + _pressures(prediction, summary, len(bands))
+        rows["levitates"] = shown
+        if where.name != "pressure":
+            low, high = summary["pressure_band_pa"]
+            widest = "widest at " if len(bands) > 1 else ""
+            rows["levitates"] += f" ({widest}{low:.3g} Pa to {high:.3g} Pa)"
     if easiest is None:
         rows["least irradiance"] = f"none: no irradiance lifts it at any {where.name}"
     else:
@@ -273,31 +271,19 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
             f"({easiest.values['levitation_temperature']:.1f} K)"
         )
     place = f"at {best.coordinate * factor:{digits}} {unit} ({best.values['temperature']:.1f} K)"
-    rows["peak of lift"] = _payload(best.values, place)
+    payload, relative = best.values["payload"], best.values["relative_payload"]
+    rows["peak of lift"] = f"{_mass(payload)}, {relative:.3g} of its own mass, {place}"
+    if payload < 0.0:
+        rows["peak of lift"] = f"none: {_mass(-payload)} short of lifting itself {place}"
     if prediction.setup.budget is not None:
         rows["payload needs"] = payload_line(best.values)
     return rows_of(rows)
-
-
-def _pressures(prediction: "Prediction", summary: dict[str, Any], bands: int) -> str:
-    """Pressures of the widest band, where the coordinate is another."""
-    if prediction.coordinate.name == "pressure":
-        return ""
-    low, high = summary["pressure_band_pa"]
-    return f" ({'widest at ' if bands > 1 else ''}{low:.3g} Pa to {high:.3g} Pa)"
 
 
 def _mass(kilograms: float, form: str = ".4g") -> str:
     """A mass with a unit that suits it."""
     factor, unit = OUTPUTS["own_mass"].display_unit_for(kilograms)
     return f"{kilograms * factor:{form}} {unit}"
-
-
-def _payload(best: dict[str, float], place: str) -> str:
-    payload = best["payload"]
-    if payload < 0.0:
-        return f"none: {_mass(-payload)} short of lifting itself {place}"
-    return f"{_mass(payload)}, {best['relative_payload']:.3g} of its own mass, {place}"
 
 
 def payload_line(best: dict[str, float]) -> str:
@@ -338,8 +324,6 @@ _OWN = 5  # results of the flyer's or the force model's own that fit beside the 
 def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
     """Tables of the results at each coordinate asked for, those that every flyer has first."""
     # What does not fit the width goes into further tables.
-    if not prediction.asked.size:
-        return
     nodes = {
         name: (_NODE[0].format(name.removeprefix("temperature_").replace("_", " ")), _NODE[1])
         for name in node_outputs(prediction.setup.flyer)
@@ -411,7 +395,8 @@ def _points_table(
         values = prediction.at[name]
         scale, unit = known[name].display_unit_for(values)
         title = heading.format(unit.replace("^2", "²"))
-        columns[title] = [_cell(value * scale, form) for value in values]
+        numbers = (value * scale for value in values)
+        columns[title] = [format(one, form) if math.isfinite(one) else "–" for one in numbers]
     table = Table(box=None, padding=(0, 1), collapse_padding=len(columns) > _ROOMY, pad_edge=False)
     for heading, cells in columns.items():
         # headings may wrap between words, numbers never
@@ -423,7 +408,3 @@ def _points_table(
     for row in zip(*columns.values(), strict=True):
         table.add_row(*row)
     return table
-
-
-def _cell(value: float, form: str) -> str:
-    return format(value, form) if math.isfinite(value) else "–"

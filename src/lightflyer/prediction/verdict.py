@@ -82,7 +82,23 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     best: Place | None = found.best
     survives, strongest, strongest_rest = None, None, None
     if highest is not None:
-        usable, best = _usable(evaluate, found, highest)
+        # the parts of the bands in which the film survives, and the place of most payload in them
+        edges, to_axis = np.array(found.bands), found.coordinate.to_axis
+        exact = [found.best.coordinate, *edges.ravel()]
+        rows = Rows(evaluate, found.coordinates, found.table, exact)
+        known = {name: np.array([value]) for name, value in found.best.values.items()}
+        parts = find_usable(
+            rows.tabulate,
+            rows.places,
+            rows.columns,
+            to_axis(edges.T[:, :, None]),
+            (to_axis(np.array([found.best.coordinate])), known),
+            highest,
+        )
+        usable, place = rows.ranges(parts.edges), rows.place(parts.best, parts.at_best)
+        if place.coordinate != found.best.coordinate:
+            best = place
+        best = best if usable else None
         if rest is not None:
             survives = rest.values["temperature"] <= highest
             strongest, strongest_rest = _strongest_light(
@@ -92,7 +108,24 @@ def verdict_of(prediction: "Prediction") -> Verdict:
     if survives is False and best is found.best:  # the peak of lift, below which nothing floats
         (top,) = (high for low, high in usable if low <= best.coordinate <= high)
         ballast = evaluate.place(top).values["payload"], best.values["payload"]
-    covered = _covered(evaluate, found)
+    night = None
+    if rest is not None and lower > found.coordinates[0] and sinks_at_night(found.setup):
+        ends = np.float64(rest.coordinate), np.float64(lower)
+        speed = evaluate(night_places(*ends), names=(NIGHT_SPEED,))[NIGHT_SPEED]
+        night = float(night_length(*ends, speed))
+    covered, best_covered = _covered(evaluate, found), None
+    both = [
+        (max(low, start), min(high, end))
+        for low, high in usable
+        for start, end in covered
+        if max(low, start) <= min(high, end)
+    ]
+    if best is not None and both and not any(low <= best.coordinate <= up for low, up in both):
+        grid = found.coordinates
+        inside = [grid[(low < grid) & (grid < high)] for low, high in both]
+        places = np.unique(np.concatenate([*both, *inside]))
+        payloads = evaluate(places, names=("payload",))["payload"]
+        best_covered = evaluate.place(float(places[np.nanargmax(payloads)]))
     return Verdict(
         highest_temperature=highest,
         usable=usable,
@@ -100,51 +133,16 @@ def verdict_of(prediction: "Prediction") -> Verdict:
         carries_afloat=rest is not None and best is found.best,
         lowest_release=lower if drifts and lower > found.coordinates[0] else None,
         rest=rest,
-        longest_night=_longest_night(evaluate, found, lower, rest),
+        longest_night=night,
         survives=survives,
         strongest_light=strongest,
         strongest_rest=strongest_rest,
         ballast=ballast,
         covered=covered,
-        best_covered=None
-        if best is None
-        else _best_covered(evaluate, found, usable, covered, best),
+        best_covered=best_covered,
         limit="lift" if usable == found.bands else "film",
         shape_failures=tuple(shape_failures(found.setup, found.table)),
     )
-
-
-def _usable(
-    evaluate: Evaluator, prediction: "Prediction", highest: float
-) -> tuple[list[tuple[float, float]], Place | None]:
-    """Parts of the bands in which the film survives, and the place of most payload in them."""
-    best, edges = prediction.best, np.array(prediction.bands)
-    exact = [best.coordinate, *edges.ravel()]
-    rows = Rows(evaluate, prediction.coordinates, prediction.table, exact)
-    to_axis = prediction.coordinate.to_axis
-    at_best = {name: np.array([value]) for name, value in best.values.items()}
-    found = find_usable(
-        rows.tabulate,
-        rows.places,
-        rows.columns,
-        to_axis(edges.T[:, :, None]),
-        (to_axis(np.array([best.coordinate])), at_best),
-        highest,
-    )
-    usable, place = rows.ranges(found.edges), rows.place(found.best, found.at_best)
-    if place.coordinate == best.coordinate:
-        place = best
-    return usable, place if usable else None
-
-
-def _longest_night(
-    evaluate: Evaluator, found: "Prediction", lower: float, rest: Place | None
-) -> float | None:
-    if rest is None or lower <= found.coordinates[0] or not sinks_at_night(found.setup):
-        return None
-    ends = np.float64(rest.coordinate), np.float64(lower)
-    speed = evaluate(night_places(*ends), names=(NIGHT_SPEED,))[NIGHT_SPEED]
-    return float(night_length(*ends, speed))
 
 
 def _covered(evaluate: Evaluator, found: "Prediction") -> list[tuple[float, float]]:
@@ -168,29 +166,6 @@ def _covered(evaluate: Evaluator, found: "Prediction") -> list[tuple[float, floa
 
 def _within_ranges(evaluate: Evaluator, places: np.ndarray) -> np.ndarray:
     return evaluate(places, names=("covered",))["covered"] > 0.0
-
-
-def _best_covered(
-    evaluate: Evaluator,
-    found: "Prediction",
-    usable: list[tuple[float, float]],
-    covered: list[tuple[float, float]],
-    best: Place,
-) -> Place | None:
-    """Place of most payload where films survive within the ranges, where ``best`` is beyond."""
-    both = [
-        (max(low, start), min(high, end))
-        for low, high in usable
-        for start, end in covered
-        if max(low, start) <= min(high, end)
-    ]
-    if not both or any(low <= best.coordinate <= high for low, high in both):
-        return None
-    grid = found.coordinates
-    inside = [grid[(low < grid) & (grid < high)] for low, high in both]
-    places = np.unique(np.concatenate([*both, *inside]))
-    payloads = evaluate(places, names=("payload",))["payload"]
-    return evaluate.place(float(places[np.nanargmax(payloads)]))
 
 
 def _strongest_light(

@@ -148,10 +148,24 @@ def uncertain_inputs(design: AbstractDesign) -> Inputs | None:
     costly = design.needs_recompute(list(stated))
     prepared = design.precompute({}) if costly or data_bounds else None
     middle = design.precompute({}, coarse=True) if costly else None
-    changes = {
-        name: _change(design, middle, name, stated[name], ranges[names.index(name)])
-        for name in costly
-    }
+    changes = {}
+    for name in costly:
+        spread, value = stated[name], design.number(name) or 0.0
+        lowest, highest = ranges[names.index(name)]
+        both = lowest < value - spread and value + spread < highest
+        # a parabola over ± one standard uncertainty where that is possible; else a line towards
+        # zero, which no upper limit forbids; from zero upwards
+        step = spread if both else (-_STEP * value if value else _STEP * spread)
+        there = design.precompute({name: value + step}, coarse=True)
+        back = design.precompute({name: value - step}, coarse=True) if both else middle
+        found = _between(middle, back, there)
+        width = 2.0 * step if both else step
+        slope = tree.map_leaves(lambda change, width=width: change / width, found.slope)
+        bend = tree.map_leaves(np.zeros_like, slope)
+        if both:
+            square = width * step
+            bend = tree.map_leaves(lambda change, square=square: change / square, found.bend)
+        changes[name] = Change(slope, bend, bounded=False)
     changes |= {name: _between(prepared, *ends) for name, ends in data_bounds.items()}
     return Inputs(
         design=design,
@@ -179,27 +193,6 @@ def _between(nominal: Any, lower: Any, upper: Any) -> Change:
         tree.map_leaves(bend, lower, nominal, upper),
         bounded=True,
     )
-
-
-def _change(
-    design: AbstractDesign, middle: Any, name: str, spread: float, ends: tuple[float, float]
-) -> Change:
-    """Change with one input: a parabola over ± one standard uncertainty, where that is possible."""
-    value = design.number(name) or 0.0
-    both = ends[0] < value - spread and value + spread < ends[1]
-    # else a line towards zero, which no upper limit forbids; from zero upwards
-    step = spread if both else (-_STEP * value if value else _STEP * spread)
-    there = design.precompute({name: value + step}, coarse=True)
-    if not both:
-        slope = tree.map_leaves(
-            lambda moved, here: (np.asarray(moved) - np.asarray(here)) / step, there, middle
-        )
-        return Change(slope, tree.map_leaves(np.zeros_like, slope), bounded=False)
-    back = design.precompute({name: value - step}, coarse=True)
-    parabola = _between(middle, back, there)
-    slope = tree.map_leaves(lambda change: change / (2.0 * step), parabola.slope)
-    bend = tree.map_leaves(lambda change: change / (2.0 * step**2), parabola.bend)
-    return Change(slope, bend, bounded=False)
 
 
 def draw(inputs: Inputs, samples: int, seed: int) -> np.ndarray:

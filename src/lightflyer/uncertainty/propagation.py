@@ -233,8 +233,24 @@ class PredictionUncertainty(PrintedResult):
             "high": high if linear else None,
         }
         result: dict[str, Any] = {"value": value, "first_order": first_order}
-        if self.samples:
-            result["monte_carlo"] = _central(self.sampled[name], endless=positive)
+        if not self.samples:
+            return result
+        drawn = self.sampled[name]
+        known = np.isfinite(drawn)
+        # of a result that may be endless a missing value is larger than any other
+        counted, ends = (
+            np.where(known, drawn, np.inf) if positive else drawn[known],
+            np.full(3, np.nan),
+        )
+        if counted.size:
+            # outwards to the next sample: a finite number of them knows the ends badly
+            ends[0] = np.percentile(counted, COVERAGE[0], method="lower")
+            ends[1] = np.percentile(counted, 50.0, method="nearest")
+            ends[2] = np.percentile(counted, COVERAGE[1], method="higher")
+        result["monte_carlo"] = {
+            name: float(end) if np.isfinite(end) else None
+            for name, end in zip(("low", "median", "high"), ends, strict=True)
+        } | {"share_of_samples": float(known.mean())}
         return result
 
 
@@ -358,23 +374,6 @@ def require_samples(samples: int, seed: int, prefix: str = "") -> None:
         )
     if seed < 0:
         raise ParameterError(f"{prefix}seed = {seed}: must be zero or positive")
-
-
-def _central(drawn: np.ndarray, *, endless: bool) -> dict[str, Any]:
-    """Ends and median of samples; ``endless`` where a missing value is larger than any other."""
-    known = np.isfinite(drawn)
-    counted = np.where(known, drawn, np.inf) if endless else drawn[known]
-    ends = np.full(3, np.nan)
-    if counted.size:
-        # outwards to the next sample: a finite number of them knows the ends badly
-        ends[0] = np.percentile(counted, COVERAGE[0], method="lower")
-        ends[1] = np.percentile(counted, 50.0, method="nearest")
-        ends[2] = np.percentile(counted, COVERAGE[1], method="higher")
-    found: dict[str, Any] = {
-        name: float(end) if np.isfinite(end) else None
-        for name, end in zip(("low", "median", "high"), ends, strict=True)
-    }
-    return found | {"share_of_samples": float(known.mean())}
 
 
 def _even_grid(prediction: Prediction) -> np.ndarray:

@@ -18,7 +18,6 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.design.operating_point import sinks_at_night
 from lightflyer.design.outputs import outputs_of
 from lightflyer.design.tables import NIGHT_SPEED, predicted_names, table_of, tabulate
-from lightflyer.environment.base import Coordinate
 from lightflyer.prediction.evaluator import (
     Found,
     Names,
@@ -122,20 +121,6 @@ def _strongest_light(
     return place, {LEAST_LIGHT: np.where(wanted, light, np.where(never, 0.0, np.nan))}
 
 
-def _nights(
-    inputs: Inputs, samples: np.ndarray, edges: np.ndarray, where: Coordinate
-) -> np.ndarray:
-    """Time in which each sample sinks from edge to edge in the dark, shape (samples,) [s]."""
-    # NaN where it has none; ``edges`` (2, samples)
-    if not sinks_at_night(inputs.design.setup):
-        return np.full(len(samples), np.nan)
-    lower, upper = where.from_axis(edges)
-    known = ~np.isnan(lower)
-    places = night_places(np.where(known, upper, 1.0), np.where(known, lower, 0.0))
-    speed = tabulate_samples(inputs, samples, places, (NIGHT_SPEED,))[NIGHT_SPEED]
-    return night_length(upper, lower, speed)
-
-
 def search_samples(
     inputs: Inputs, samples: np.ndarray, tables: Sequence[tuple[np.ndarray, Table]]
 ) -> dict[str, tuple[np.ndarray, Table]]:
@@ -157,9 +142,16 @@ def search_samples(
     there = np.where(np.isnan(edges), places[0], edges)
     hot = look(there[:, None], (HEAT,))[HEAT][:, 0]
     at_edges = [{HEAT: row} for row in np.where(np.isnan(edges), np.nan, hot)]
+    night = np.full(len(samples), np.nan)  # in which each sinks from edge to edge [s]
+    if sinks_at_night(inputs.design.setup):
+        lower, upper = where.from_axis(edges)
+        exists = ~np.isnan(lower)
+        down = night_places(np.where(exists, upper, 1.0), np.where(exists, lower, 0.0))
+        speed = tabulate_samples(inputs, samples, down, (NIGHT_SPEED,))[NIGHT_SPEED]
+        night = night_length(upper, lower, speed)
     known = {
         LOWER: (edges[0], at_edges[0]),
-        UPPER: (edges[1], at_edges[1] | {NIGHT: _nights(inputs, samples, edges, where)}),
+        UPPER: (edges[1], at_edges[1] | {NIGHT: night}),
         MOST_PAYLOAD: (found.best, found.at_best),
         LEAST_LIGHT: (found.easiest, found.at_easiest),
     }

@@ -142,12 +142,35 @@ def pareto(
     scores = function.scores_of_many(some)
     known = np.isfinite(scores).all(axis=1)
     function.require_effects(some[known], scores[known])
-    places, losses = _search(function, population, generations)
+    core = extra("pymoo.core.problem", "a Pareto front", "optimise")
+    from pymoo.algorithms.moo.nsga2 import NSGA2
+    from pymoo.optimize import minimize as search
+
+    count = len(problem.objectives)
+    counted = Counted("computing generations of designs", generations)
+
+    class Vectorised(core.Problem):  # type: ignore[name-defined]
+        def __init__(self) -> None:
+            sides, limits = len(problem.bounds), len(problem.constraints)
+            super().__init__(n_var=sides, n_obj=count, n_ieq_constr=limits, xl=0.0, xu=1.0)
+
+        def _evaluate(self, points: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
+            counted.add()
+            scores = function.scores_of_many(points)
+            losses = np.where(np.isfinite(scores), -scores, _NO_VALUE)
+            out["F"], out["G"] = losses[:, :count], losses[:, count:]
+
+    found = search(
+        Vectorised(), NSGA2(pop_size=population), ("n_gen", generations), seed=problem.seed
+    )
+    if found.X is None:
+        raise LightflyerError("no design satisfies the constraints; widen the bounds or the limits")
+    places, losses = np.atleast_2d(found.X), np.atleast_2d(found.F)  # points in the unit cube
     order = np.argsort(-problem.objectives[0].sign * losses[:, 0])
     places, losses = places[order], losses[order]
     if function.is_quick:
         function.match(places[len(places) // 2])
-        losses = -function.scores_of_many(places)[:, : len(problem.objectives)]
+        losses = -function.scores_of_many(places)[:, :count]
     designs = {
         bounds.field.name: np.asarray(bounds.value(places[:, row]))
         for row, bounds in enumerate(problem.bounds)
@@ -170,34 +193,3 @@ def pareto(
         evaluations=population * generations,
         warnings=tuple(said),
     )
-
-
-def _search(
-    function: ObjectiveFunction, population: int, generations: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Points of the front in the unit cube, and their losses."""
-    problem = function.problem
-    core = extra("pymoo.core.problem", "a Pareto front", "optimise")
-    from pymoo.algorithms.moo.nsga2 import NSGA2
-    from pymoo.optimize import minimize
-
-    count = len(problem.objectives)
-    counted = Counted("computing generations of designs", generations)
-
-    class Vectorised(core.Problem):  # type: ignore[name-defined]
-        def __init__(self) -> None:
-            sides, limits = len(problem.bounds), len(problem.constraints)
-            super().__init__(n_var=sides, n_obj=count, n_ieq_constr=limits, xl=0.0, xu=1.0)
-
-        def _evaluate(self, points: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
-            counted.add()
-            scores = function.scores_of_many(points)
-            losses = np.where(np.isfinite(scores), -scores, _NO_VALUE)
-            out["F"], out["G"] = losses[:, :count], losses[:, count:]
-
-    found = minimize(
-        Vectorised(), NSGA2(pop_size=population), ("n_gen", generations), seed=problem.seed
-    )
-    if found.X is None:
-        raise LightflyerError("no design satisfies the constraints; widen the bounds or the limits")
-    return np.atleast_2d(found.X), np.atleast_2d(found.F)

@@ -217,11 +217,29 @@ def choose_stack(problem: Problem) -> tuple[Problem, Ranking]:
     choice = problem.choice
     assert choice is not None  # the caller looked
     ends = time.monotonic() + choice.time_limit
-    function = ObjectiveFunction(problem)
-    entries, scale = _screen(function, choice, ends)
+    function, sequences = ObjectiveFunction(problem), choice.stacks.sequences
+    # the best of a sample of films of each stack, the best stack first
+    points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(POINTS)
+    table = []
+    for number, sequence in enumerate(sequences):
+        if number and time.monotonic() > ends:
+            break
+        report("screening stacks", number, len(sequences), "stacks")
+        function.turn_to(choice, sequence)
+        table.append(function.scores_of_many(points))
+    scores = np.array(table)
+    values = scores[..., 0][np.isfinite(scores).all(axis=-1)]
+    entries, scale = list[_Entry](), 1.0
+    if values.size:
+        spread = float(np.ptp(np.percentile(values, [25.0, 100.0])))
+        scale = spread or float(np.abs(values).max()) or 1.0
+        for sequence, row in zip(sequences, merit(scores, scale), strict=False):
+            few = points[np.argsort(-row)[:_STARTS]]
+            entries.append(_Entry(sequence, few, float(row.max())))
+        entries.sort(key=lambda entry: -entry.merit)
     if not entries or entries[0].merit <= -INFEASIBLE:
         raise LightflyerError(
-            f"none of {len(choice.stacks.sequences)} stacks has a {problem.objectives[0].name} "
+            f"none of {len(sequences)} stacks has a {problem.objectives[0].name} "
             "within the constraints; widen the bounds or the limits"
         )
     screened = len(entries)
@@ -240,36 +258,12 @@ def choose_stack(problem: Problem) -> tuple[Problem, Ranking]:
     notes = [*choice.stacks.notes]
     if time.monotonic() > ends:
         notes.append(
-            f"the time limit ended the search: {screened} of {len(choice.stacks.sequences)} stacks "
+            f"the time limit ended the search: {screened} of {len(sequences)} stacks "
             f"were screened, {len(better)} improved and {len(best)} computed in full"
         )
-    ranking = Ranking(ranked, screened, len(choice.stacks.sequences), tuple(notes))
+    ranking = Ranking(ranked, screened, len(sequences), tuple(notes))
     winner = (best or better)[0]
     return choice.problem_of(winner.sequence), ranking
-
-
-def _screen(function: ObjectiveFunction, choice: Choice, ends: float) -> tuple[list[_Entry], float]:
-    """Stacks by the best of a sample of films, the best first, and the scale of the objective."""
-    problem, sequences = function.problem, choice.stacks.sequences
-    points = qmc.Sobol(len(problem.bounds), rng=problem.seed).random(POINTS)
-    table = []
-    for number, sequence in enumerate(sequences):
-        if number and time.monotonic() > ends:
-            break
-        report("screening stacks", number, len(sequences), "stacks")
-        function.turn_to(choice, sequence)
-        table.append(function.scores_of_many(points))
-    scores = np.array(table)
-    values = scores[..., 0][np.isfinite(scores).all(axis=-1)]
-    if not values.size:
-        return [], 1.0
-    scale = float(np.ptp(np.percentile(values, [25.0, 100.0]))) or float(np.abs(values).max())
-    merits = merit(scores, scale or 1.0)
-    entries = [
-        _Entry(sequence, points[np.argsort(-row)[:_STARTS]], float(row.max()))
-        for sequence, row in zip(sequences, merits, strict=False)
-    ]
-    return sorted(entries, key=lambda entry: -entry.merit), scale or 1.0
 
 
 def merit(scores: np.ndarray, scale: float) -> np.ndarray:

@@ -157,7 +157,15 @@ class ObjectiveFunction:
         self, point: np.ndarray, multipliers: np.ndarray
     ) -> dict[str, np.ndarray]:
         """Derivatives of the Lagrangian in relative changes of the numbers that are not free."""
-        stated = self._parameters()
+        problem, design = self.problem, self.problem.design
+        costly = design.needs_recompute(list(design.quantities))
+        if self._quick is not None:
+            costly = [name for name in costly if not self._quick.knows(name)]
+        known = {name: design.number(name) for name in design.quantities if name not in costly}
+        numbers = {name: value for name, value in known.items() if value}
+        apart = {design.coordinate_name, *(bounds.field.name for bounds in problem.bounds)}
+        every = numbers | problem.fixed | problem.means()
+        stated = {name: value for name, value in every.items() if name not in apart}
         moved = np.array([1.0 - _GROWTH, 1.0 + _GROWTH])
         columns = {name: np.full(2 * len(stated), value) for name, value in
                    (self.all_values(point) | stated).items()}  # fmt: skip
@@ -267,25 +275,6 @@ class ObjectiveFunction:
         if tolerance is not None:
             return tolerance.spread(given[name])
         return float(np.std(self.problem.samples[name])) or 1.0
-
-    def _parameters(self) -> dict[str, float]:
-        """Numbers of the design that are neither free nor zero nor costly, by dotted name."""
-        problem, design = self.problem, self.problem.design
-        means = problem.means()
-        costly = design.needs_recompute(list(design.quantities))
-        if self._quick is not None:
-            costly = [name for name in costly if not self._quick.knows(name)]
-        stated = {
-            name: value
-            for name in design.quantities
-            if name not in costly and (value := design.number(name))
-        }
-        free = {bounds.field.name for bounds in problem.bounds}
-        return {
-            name: value
-            for name, value in (stated | problem.fixed | means).items()
-            if name not in free and name != design.coordinate_name
-        }
 
 
 @dataclass(frozen=True)

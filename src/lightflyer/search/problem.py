@@ -70,26 +70,6 @@ class Choice:
     source: StudySource | None
     time_limit: float  # Of the choice, infinite where none is set [s]
 
-    def any_stack(self) -> "Problem":
-        """The problem of any of the stacks, without uncertainty: each thickness is a share."""
-        shares = {name: {"from": 0.0, "to": 1.0} for name in self.stacks.shares}
-        sure = {k: v for k, v in self.section.constraints.items() if k != PROBABILITY}
-        over = {  # without uncertainty
-            name: {key: value for key, value in entry.items() if key != "uncertainty"}
-            if isinstance(entry, Mapping) and "distribution" not in entry
-            else entry
-            for name, entry in self.section.over.items()
-        }
-        changes = {"over": shares | over, "constraints": sure, "uncertainty": None, "stacks": None}
-        section = self.section.model_copy(update=changes)
-        problem = make_problem(self.stacks.design, section, None, self.source)
-        if any(part.of_film for part in problem.constraints):
-            return problem
-        # every stack withstands another temperature
-        highest = self.stacks.limit(self.stacks.sequences[0])
-        limits = _limits_of_film(highest, self.stacks.design, section, problem.asked)
-        return replace(problem, constraints=(*problem.constraints, *limits))
-
     def limits(self, problem: "Problem", sequence: Sequence[int]) -> np.ndarray:
         """Limits of a problem's constraints for a stack."""
         highest = self.stacks.limit(sequence)
@@ -325,7 +305,24 @@ def _with_choice(
             raise ConfigurationError("a search among stacks has one objective")
     limit = math.inf if asked.time_limit is None else float(asked.time_limit.value)
     choice = Choice(stacks, section, sampling, source, limit)
-    return replace(choice.any_stack(), choice=choice)
+    # without uncertainty: each thickness is a share
+    shares = {name: {"from": 0.0, "to": 1.0} for name in stacks.shares}
+    sure = {k: v for k, v in section.constraints.items() if k != PROBABILITY}
+    entries = {
+        name: {key: value for key, value in entry.items() if key != "uncertainty"}
+        if isinstance(entry, Mapping) and "distribution" not in entry
+        else entry
+        for name, entry in section.over.items()
+    }
+    changes = {"over": shares | entries, "constraints": sure, "uncertainty": None, "stacks": None}
+    section = section.model_copy(update=changes)
+    problem = make_problem(stacks.design, section, None, source)
+    limits = []
+    if not any(part.of_film for part in problem.constraints):
+        # every stack withstands another temperature
+        highest = stacks.limit(stacks.sequences[0])
+        limits = [*_limits_of_film(highest, stacks.design, section, problem.asked)]
+    return replace(problem, constraints=(*problem.constraints, *limits), choice=choice)
 
 
 def _objectives(

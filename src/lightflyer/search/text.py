@@ -15,9 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lightflyer.search.front import Front
-    from lightflyer.search.objectives import AsMade
     from lightflyer.search.optimiser import Optimum
-    from lightflyer.search.problem import Constraint, Problem
     from lightflyer.search.sobol import Indices
 
 _SHOWN_ELASTICITIES = 8
@@ -68,8 +66,18 @@ def optimum_parts(optimum: "Optimum") -> Parts:
         best, low, high = (f"{number * factor:.6g}" for number in numbers)
         rows.append((name, best, unit, low, high, note))
     yield table_of(("field", "best", "unit", "from", "to", ""), rows, left=(0, 2, 5))
-    for constraint in problem.constraints:
-        yield _constraint_line(optimum, constraint)
+    for limit in problem.constraints:
+        gain, unit = optimum.active_constraints.get(limit.name), problem.unit_of(limit.name)
+        at, end = (amount(one, unit) for one in (optimum.outputs[limit.name], limit.limit))
+        state = "not active"
+        if gain is not None:
+            worth = gain * abs(limit.limit) / 100.0
+            looser = amount(worth, problem.unit_of(objective.name), 3)
+            state = f"active: 1 % looser is worth {looser}"
+        said = f"{'at least' if limit.sign > 0.0 else 'at most'} {end}; {state}"
+        if limit.of_film:
+            said = f"the film withstands {end}{'' if gain is None else f'; {state}'}"
+        yield f"{limit.name} {at} ({said})"
     note = "" if optimum.active_bounds else "; no bound is active"
     yield (
         f"{optimum.agreeing} of {optimum.starts} starts agree ({optimum.evaluations} gradients)"
@@ -80,12 +88,27 @@ def optimum_parts(optimum: "Optimum") -> Parts:
         for name, number in rival.design.items():
             words.append(f"{name} {amount(number, problem.design.field(name).quantity.unit, 4)}")
         yield wrap(f"{rival.words}: {', '.join(words)}")
-    if optimum.as_made is not None:
-        yield from _tolerance_parts(problem, optimum.as_made)
+    made = optimum.as_made
+    if made is not None:  # what is lost where the design is not made exactly
+        unit = problem.unit_of(objective.name)
+        sizes = [size for effect in made.effects.values() for size in (effect.less, effect.more)]
+        factor, shown_unit = suitable(unit, max(map(abs, sizes)))
+        rows = []
+        for name, effect in made.effects.items():
+            size = amount(effect.spread, problem.design.field(name).quantity.unit, 3)
+            note = " (assumed)" if effect.assumed else ""
+            changes = (f"{factor * change:+.3g}" for change in (effect.less, effect.more))
+            rows.append((name, f"± {size}{note}", *changes))
+        too_small = f"too small: {objective.name} [{shown_unit or '1'}]"
+        yield table_of(("made with ± (1 σ)", "", too_small, "too large"), rows)
+        yield (
+            f"made so, with all errors at once: mean {amount(made.mean, unit, 4)}, and "
+            f"{100.0 * (1.0 - made.low_share):g} % are better than {amount(made.low, unit, 4)}"
+        )
     if optimum.elasticities:
         most = [*optimum.elasticities.items()][:_SHOWN_ELASTICITIES]
-        changes = ((name, f"{elasticity:+.3g}") for name, elasticity in most)
-        yield table_of(("1 % more of", "changes the optimum by [%]"), changes)
+        moved = ((name, f"{elasticity:+.3g}") for name, elasticity in most)
+        yield table_of(("1 % more of", "changes the optimum by [%]"), moved)
     yield from warning_lines(optimum.warnings)
 
 
@@ -117,43 +140,6 @@ def design_parts(optimum: "Optimum") -> Parts:
             f"{amount(carried, problem.unit_of('payload'), 3)}: at {where} and "
             f"{values['temperature']:.0f} K."
         )
-
-
-def _constraint_line(optimum: "Optimum", constraint: "Constraint") -> str:
-    problem, name, limit = optimum.problem, constraint.name, constraint.limit
-    unit = problem.unit_of(name)
-    word = "at least" if constraint.sign > 0.0 else "at most"
-    gain = optimum.active_constraints.get(name)
-    objective = problem.unit_of(problem.objectives[0].name)
-    effect = "not active"
-    if gain is not None:
-        worth = amount(gain * abs(limit) / 100.0, objective, 3)
-        effect = f"active: 1 % looser is worth {worth}"
-    at, limit_shown = (amount(value, unit) for value in (optimum.outputs[name], limit))
-    if constraint.of_film:
-        withstands = f"the film withstands {limit_shown}"
-        return f"{name} {at} ({withstands}{'' if gain is None else f'; {effect}'})"
-    return f"{name} {at} ({word} {limit_shown}; {effect})"
-
-
-def _tolerance_parts(problem: "Problem", made: "AsMade") -> Parts:
-    """What is lost where the design is not made exactly."""
-    objective = problem.objectives[0]
-    unit = problem.unit_of(objective.name)
-    sizes = [size for effect in made.effects.values() for size in (effect.less, effect.more)]
-    factor, shown = suitable(unit, max(map(abs, sizes)))
-    rows = []
-    for name, effect in made.effects.items():
-        size = amount(effect.spread, problem.design.field(name).quantity.unit, 3)
-        note = " (assumed)" if effect.assumed else ""
-        changes = (f"{factor * change:+.3g}" for change in (effect.less, effect.more))
-        rows.append((name, f"± {size}{note}", *changes))
-    too_small = f"too small: {objective.name} [{shown or '1'}]"
-    yield table_of(("made with ± (1 σ)", "", too_small, "too large"), rows)
-    yield (
-        f"made so, with all errors at once: mean {amount(made.mean, unit, 4)}, and "
-        f"{100.0 * (1.0 - made.low_share):g} % are better than {amount(made.low, unit, 4)}"
-    )
 
 
 def front_parts(front: "Front") -> Parts:

@@ -268,11 +268,40 @@ def compare(
     'light'
     """
     require_samples(samples, seed)
-    designs = _designs_by_name(what, environment, model)
-    where = _common_coordinate(designs)
+    if isinstance(what, str) or not isinstance(what, Collection):
+        what = [what]
+    parts = list(what.values() if isinstance(what, Mapping) else what)
+    if not FEWEST <= len(parts) <= MOST:
+        raise ParameterError(f"compare takes {FEWEST} to {MOST} flyers, not {len(parts)}")
+    designs: dict[str, AbstractDesign] = {}  # by names that differ
+    for name, one in zip(what, parts, strict=True):
+        design = as_design(one, environment, model)
+        if not isinstance(what, Mapping):
+            is_file = isinstance(one, str | Path)
+            name = Path(one).stem if is_file else design.setup.flyer.describe()
+            same = sum(other.rpartition(" (")[0] == name or other == name for other in designs)
+            name += f" ({same + 1})" if same else ""
+        designs[name] = design
+    (first, where), *others = (
+        (name, design.setup.environment.coordinate) for name, design in designs.items()
+    )
+    for name, other in others:
+        if other.name != where.name:
+            raise ConfigurationError(
+                f"{first} is described over {where.name} and {name} over {other.name}: "
+                "compare flyers in an atmosphere with one another, or flyers in chambers"
+            )
     require_comparable(design.setup for design in designs.values())
     if searched is not None:
-        searched = _range_of(where, searched)
+        low, high = (float(where.quantity.number("searched", end)) for end in searched)
+        if not low < high:
+            factor, _ = scale_and_offset(where.unit, where.shown_unit)
+            unit = where.shown_unit
+            raise ParameterError(
+                f"{where.name}: {low * factor:g} {unit} to {high * factor:g} {unit} is not a "
+                "range; the first must be the lower one"
+            )
+        searched = low, high
     count = 2 * len(designs)
     predictions: dict[str, Prediction] = {}
     for name, design in designs.items():
@@ -325,54 +354,6 @@ def _about(name: str) -> Iterator[None]:
         yield
     except LightflyerError as error:
         raise type(error)(f"{name}: {error}") from None
-
-
-def _designs_by_name(
-    what: Any, environment: AbstractEnvironment | None, model: AbstractForceModel | None
-) -> dict[str, AbstractDesign]:
-    """Designs by names that differ."""
-    if isinstance(what, str) or not isinstance(what, Collection):
-        what = [what]
-    parts = list(what.values() if isinstance(what, Mapping) else what)
-    if not FEWEST <= len(parts) <= MOST:
-        raise ParameterError(f"compare takes {FEWEST} to {MOST} flyers, not {len(parts)}")
-    designs = [as_design(one, environment, model) for one in parts]
-    if isinstance(what, Mapping):
-        return dict(zip(what, designs, strict=True))
-    found: dict[str, AbstractDesign] = {}
-    for one, design in zip(parts, designs, strict=True):
-        name = _name(one, design)
-        same = sum(other.rpartition(" (")[0] == name or other == name for other in found)
-        found[f"{name} ({same + 1})" if same else name] = design
-    return found
-
-
-def _name(one: Any, design: AbstractDesign) -> str:
-    return Path(one).stem if isinstance(one, str | Path) else design.setup.flyer.describe()
-
-
-def _common_coordinate(designs: dict[str, AbstractDesign]) -> Coordinate:
-    coordinates = {name: found.setup.environment.coordinate for name, found in designs.items()}
-    first, *others = coordinates.items()
-    for name, where in others:
-        if where.name != first[1].name:
-            raise ConfigurationError(
-                f"{first[0]} is described over {first[1].name} and {name} over {where.name}: "
-                "compare flyers in an atmosphere with one another, or flyers in chambers"
-            )
-    return first[1]
-
-
-def _range_of(where: Coordinate, searched: tuple[Any, Any]) -> tuple[float, float]:
-    low, high = (float(where.quantity.number("searched", end)) for end in searched)
-    if not low < high:
-        factor, _ = scale_and_offset(where.unit, where.shown_unit)
-        unit = where.shown_unit
-        raise ParameterError(
-            f"{where.name}: {low * factor:g} {unit} to {high * factor:g} {unit} is not a range; "
-            "the first must be the lower one"
-        )
-    return low, high
 
 
 def _range_near_flight(prediction: Prediction) -> tuple[float, float]:

@@ -216,7 +216,14 @@ def _public(function: Callable[P, R], *, elementwise: bool) -> Callable[P, R]:
         leaves, structure = tree.flatten((tuple(plain), named))
         result: Any
         if any(map(is_tracer, leaves)):
-            return labels(_by_jax(function, leaves, structure))
+            numeric = tuple(is_tracer(leaf) or is_numeric(leaf) for leaf in leaves)
+            pairs = list(zip(numeric, leaves, strict=True))
+            fixed = tuple(None if one else leaf for one, leaf in pairs)
+            numbers = [leaf for one, leaf in pairs if one]
+            traced = _jitted if structure.is_ours else _run
+            with within(load_jax()), written_for_jax():
+                result = traced(function)(numbers, (structure, fixed, numeric))
+            return labels(result)
 
         def compute(leaves: Sequence[Any]) -> Any:
             plain, named = tree.unflatten(structure, leaves)
@@ -239,16 +246,6 @@ def _public(function: Callable[P, R], *, elementwise: bool) -> Callable[P, R]:
 
 
 # --- by JAX ---
-
-
-def _by_jax(function: Callable[..., Any], leaves: Sequence[Any], structure: Any) -> Any:
-    numeric = tuple(is_tracer(leaf) or is_numeric(leaf) for leaf in leaves)
-    pairs = list(zip(numeric, leaves, strict=True))
-    fixed = tuple(None if one else leaf for one, leaf in pairs)
-    numbers = [leaf for one, leaf in pairs if one]
-    traced = _jitted if structure.is_ours else _run
-    with within(load_jax()), written_for_jax():
-        return traced(function)(numbers, (structure, fixed, numeric))
 
 
 @contextmanager

@@ -112,11 +112,16 @@ class Quantity:
         if is_series(value) and keep_index and value.dtype.kind in "fiu":
             return value.astype(float)
         if hasattr(value, "index") or not hasattr(value, "dtype"):  # pandas has both
-            value = _array_of(value)
+            try:
+                value = np.asarray(value)
+            except ValueError:  # rows of unequal length
+                value = np.asarray(value, object)
         if hasattr(value, "filled"):  # a masked array, of whose class NumPy loads a library
             value = value.astype(float).filled(np.nan)
         if not any(np.issubdtype(value.dtype, kind) for kind in (np.floating, np.integer)):
-            raise ParameterError(f"{name} must be {_a_number(self.unit)}")
+            unit = f" [{self.unit}]" if self.unit else ""
+            written = f', or a text such as "1 {self.unit}"' if self.unit else ""
+            raise ParameterError(f"{name} must be a number or an array of numbers{unit}{written}")
         return value
 
     def possible(self, value: Any) -> Any:
@@ -206,18 +211,6 @@ _PERCENT = 100.0
 _NO_UNCERTAINTY = (
     ": an object takes no ±; give uncertainties to a flyer file, or by name to lightflyer.propagate"
 )
-
-
-def _a_number(unit: str) -> str:
-    written = f', or a text such as "1 {unit}"' if unit else ""
-    return f"a number or an array of numbers{f' [{unit}]' if unit else ''}{written}"
-
-
-def _array_of(value: Any) -> np.ndarray:
-    try:
-        return np.asarray(value)
-    except ValueError:  # rows of unequal length
-        return np.asarray(value, object)
 
 
 def _read_kinds() -> dict[str, Quantity]:

@@ -47,26 +47,52 @@ def _state(environment: AbstractEnvironment, coordinate: Numeric) -> Environment
 
 def diagnose(setup: Setup, state: EnvironmentState, temperature: Numeric) -> tuple[str, ...]:
     """Diagnostics of a flyer in some surroundings; ``temperature`` (n,)."""
-    name = type(setup.model).__name__
-    found: tuple[str, ...] = ()
+    flyer, name = setup.flyer, type(setup.model).__name__
+    # numbers that are possible, but most likely of a wrong unit
+    parts = {"flyer.": flyer, "environment.": setup.environment, "force.": setup.model}
+    numbers = chain.from_iterable(numbers_in(part, name) for name, part in parts.items())
+    found = [
+        f"{key} = {doubt}"
+        for key, quantity, value in numbers
+        if value is not None and (doubt := quantity.unlikely(value))
+    ]
+    if state.radiation.visible is not None and not np.any(state.radiation.visible):
+        below = np.min(state.radiation.zenith_angle) / RADIANS_PER_DEGREE - 90.0
+        found.append(
+            f"the sun is {below:.0f}° below the horizontal, hidden by the planet: it is night"
+        )
     if state.wall_distance is not None and not setup.model.feels_walls:
-        found += (f"the walls around the flyer have no effect: {name} is for open space",)
+        found.append(f"the walls around the flyer have no effect: {name} is for open space")
     ends = (state.floor_distance, state.lid_distance)
     if any(end is not None for end in ends) and not setup.model.feels_floor:
         but = "" if state.floor_excess is None else " but on the gas temperature"
-        found += (f"floor and lid have no effect{but}: {name} knows none",)
+        found.append(f"floor and lid have no effect{but}: {name} knows none")
     temperatures = np.stack(np.broadcast_arrays(state.temperature, temperature))
-    return (
-        *_number_diagnostics(setup),
-        *_sun_diagnostics(state),
-        *found,
-        *setup.model.diagnostics(setup.flyer, state, temperature),
-        *setup.flyer.diagnostics(state, temperature),
-        *state.gas.diagnostics(temperatures, state.pressure),
-        *_cells_diagnostics(setup, state),
-        *_shape_diagnostics(setup.flyer),
-        *_heat_diagnostics(setup.flyer, temperature),
-    )
+    found += setup.model.diagnostics(flyer, state, temperature)
+    found += flyer.diagnostics(state, temperature)
+    found += state.gas.diagnostics(temperatures, state.pressure)
+    if setup.budget is not None and setup.budget.cells is not None:
+        needs = setup.budget.needs(light_on_cells(state.radiation, flyer.attitude))
+        share = float(np.max(needs.cell_area, initial=0.0)) / float(flyer.area)
+        if share == np.inf:
+            found.append("the payload's solar cells have no light somewhere, and nothing is stored")
+        elif share > 1.0:
+            found.append(f"the payload's solar cells need {share:.3g} times the area of the flyer")
+    # numbers of a flyer as a structure that are given and decide nothing
+    names = ("hanging_radius", "wall_shear_modulus")
+    given = [name for name in names if getattr(flyer, name, None) is not None]
+    if not flyer.known_shape:
+        found += (f"{name} has no effect: no layer states mechanical numbers" for name in given)
+    elif "hanging_radius" in given and not np.any(flyer.payload):
+        found.append("hanging_radius has no effect without a payload")
+    highest, own = flyer.highest_temperature, "its film" if flyer.film_names() else "it"
+    hottest = float(np.max(temperature, initial=0.0))
+    if highest is None and hottest > UNSTATED_LIMIT:
+        advice = f"if {own} withstands that, state highest_temperature"
+        found.append(f"{TOO_HOT} {hottest:.0f} K: {advice}")
+    elif highest is not None and hottest > float(highest) * (1.0 + _ROUNDING):
+        found.append(f"{TOO_HOT} {hottest:.0f} K, and {own} withstands {float(highest):.0f} K")
+    return tuple(found)
 
 
 def diagnose_design(design: AbstractDesign, values: Mapping[str, float]) -> tuple[str, ...]:
@@ -107,63 +133,6 @@ def _together(setups: Sequence[Setup]) -> Setup:
         return np.array([first, *rest]) if any(np.any(one != first) for one in rest) else first
 
     return tree.map_leaves(joined, *setups)
-
-
-def _number_diagnostics(setup: Setup) -> Iterator[str]:
-    """That numbers of a set-up are possible, but most likely of a wrong unit."""
-    parts = {"flyer.": setup.flyer, "environment.": setup.environment, "force.": setup.model}
-    numbers = chain.from_iterable(numbers_in(part, name) for name, part in parts.items())
-    for name, quantity, value in numbers:
-        doubt = None if value is None else quantity.unlikely(value)
-        if doubt:
-            yield f"{name} = {doubt}"
-
-
-def _sun_diagnostics(state: EnvironmentState) -> Iterator[str]:
-    """That the planet hides the sun everywhere."""
-    if state.radiation.visible is not None and not np.any(state.radiation.visible):
-        below = np.min(state.radiation.zenith_angle) / RADIANS_PER_DEGREE - 90.0
-        yield f"the sun is {below:.0f}° below the horizontal, hidden by the planet: it is night"
-
-
-def _cells_diagnostics(setup: Setup, state: EnvironmentState) -> Iterator[str]:
-    """Diagnostics of solar cells that a flyer has no room for, or that have no light."""
-    if setup.budget is None or setup.budget.cells is None:
-        return
-    needs = setup.budget.needs(light_on_cells(state.radiation, setup.flyer.attitude))
-    largest = float(np.max(needs.cell_area, initial=0.0))
-    if largest == np.inf:
-        yield "the payload's solar cells have no light somewhere, and nothing is stored"
-    elif largest > float(setup.flyer.area):
-        yield (
-            f"the payload's solar cells need {largest / float(setup.flyer.area):.3g} times the "
-            "area of the flyer"
-        )
-
-
-def _heat_diagnostics(flyer: AbstractFlyer, temperature: Numeric) -> Iterator[str]:
-    highest, own = flyer.highest_temperature, "its film" if flyer.film_names() else "it"
-    hottest = float(np.max(temperature, initial=0.0))
-    if highest is None:
-        if hottest > UNSTATED_LIMIT:
-            yield (
-                f"{TOO_HOT} {hottest:.0f} K: if {own} withstands that, state highest_temperature"
-            )
-    elif hottest > float(highest) * (1.0 + _ROUNDING):
-        yield f"{TOO_HOT} {hottest:.0f} K, and {own} withstands {float(highest):.0f} K"
-
-
-def _shape_diagnostics(flyer: AbstractFlyer) -> Iterator[str]:
-    """That numbers of a flyer as a structure are given and decide nothing."""
-    given = [
-        name
-        for name in ("hanging_radius", "wall_shear_modulus")
-        if getattr(flyer, name, None) is not None
-    ]
-    if not flyer.known_shape:
-        yield from (f"{name} has no effect: no layer states mechanical numbers" for name in given)
-    elif "hanging_radius" in given and not np.any(flyer.payload):
-        yield "hanging_radius has no effect without a payload"
 
 
 def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:

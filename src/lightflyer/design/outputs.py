@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,9 +15,8 @@ from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.units import dataset_unit, scale_and_offset
 from lightflyer.design.operating_point import OperatingPoint
 from lightflyer.design.setup import Setup
-from lightflyer.environment.base import Coordinate
 from lightflyer.flyer.base import AbstractFlyer
-from lightflyer.force.base import AbstractForceModel, ModelResult
+from lightflyer.force.base import ModelResult
 
 # units for larger values, by the one that is shown otherwise
 _LARGER = {"mg": ("mg", "g", "kg"), "µN": ("µN", "mN", "N")}
@@ -455,31 +454,25 @@ def model_outputs(setup: Setup) -> dict[str, Output]:
     """Outputs of the force model's own, and the flows of the flyer; empty for most models."""
     flows = {name: ModelResult("", name.replace("_", " ")) for name in setup.flyer.flows}
     taken = OUTPUTS.keys() | node_outputs(setup.flyer).keys() | budget_outputs(setup).keys()
-    return {
-        name: _own_output(name, result, setup.model, taken)
-        for name, result in (flows | dict(setup.model.results)).items()
-    }
-
-
-def _own_output(
-    name: str, result: ModelResult, model: AbstractForceModel, taken: Collection[str]
-) -> Output:
-    about = f'force model {type(model).__name__}: result "{name}"'
-    if name in taken:
-        raise ParameterError(f"{about} has the name of an output that every flyer has")
-    for unit in filter(None, (result.unit, result.shown_unit)):
-        try:
-            _factor(result.unit, unit)
-        except ConfigurationError as error:
-            raise ParameterError(f"{about}: {error}") from None
-    return Output(
-        name,
-        result.unit,
-        result.long_name,
-        lambda case: case.own_results[name],
-        shown_unit=result.shown_unit,
-        json_unit=result.shown_unit,
-    )
+    found = {}
+    for name, result in (flows | dict(setup.model.results)).items():
+        about = f'force model {type(setup.model).__name__}: result "{name}"'
+        if name in taken:
+            raise ParameterError(f"{about} has the name of an output that every flyer has")
+        for unit in filter(None, (result.unit, result.shown_unit)):
+            try:
+                _factor(result.unit, unit)
+            except ConfigurationError as error:
+                raise ParameterError(f"{about}: {error}") from None
+        found[name] = Output(
+            name,
+            result.unit,
+            result.long_name,
+            lambda case, name=name: case.own_results[name],  # type: ignore[misc]
+            shown_unit=result.shown_unit,
+            json_unit=result.shown_unit,
+        )
+    return found
 
 
 def outputs_of(setup: Setup) -> dict[str, Output]:
@@ -513,20 +506,16 @@ def check_outputs(names: Sequence[str], setup: Setup, given: Sequence[str]) -> N
             near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
             hint = f'did you mean "{near[0]}"?' if near else f"choose from {', '.join(known)}"
             raise ConfigurationError(f'"{name}" is not an output; {hint}')
-        _check_coordinate(known[name], coordinate, given)
-
-
-def _check_coordinate(output: Output, coordinate: Coordinate, given: Sequence[str]) -> None:
-    name = coordinate.name
-    if output.over_band and name != "altitude":
-        raise ConfigurationError(f'"{output.name}" needs an atmosphere, not a chamber')
-    if output.over_band and name in given:
-        raise ConfigurationError(
-            f'"{output.name}" is searched over all altitudes; leave altitude out, and give outputs '
-            "at one altitude a study of their own"
-        )
-    if output.needs_coordinate and not output.over_band and name not in given:
-        raise ConfigurationError(
-            f'"{output.name}" needs {name}, one such as "70 {coordinate.shown_unit}" or a range '
-            "of them"
-        )
+        output, where = known[name], coordinate.name
+        if output.over_band and where != "altitude":
+            raise ConfigurationError(f'"{name}" needs an atmosphere, not a chamber')
+        if output.over_band and where in given:
+            raise ConfigurationError(
+                f'"{name}" is searched over all altitudes; leave altitude out, and give outputs at '
+                "one altitude a study of their own"
+            )
+        if output.needs_coordinate and not output.over_band and where not in given:
+            raise ConfigurationError(
+                f'"{name}" needs {where}, one such as "70 {coordinate.shown_unit}" or a range '
+                "of them"
+            )

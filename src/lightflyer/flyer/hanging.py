@@ -1,7 +1,6 @@
 """Plates that carry a payload on a circle, or at three points of one."""
 
 import math
-from collections.abc import Sequence
 from functools import reduce
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -132,7 +131,9 @@ class HangingPlate(NamedTuple):
 
     @property
     def _droop(self) -> Array:
-        return _range([*self._cut(self.ring), *self._cut(self.radius)])
+        heights = [*self._cut(self.ring), *self._cut(self.radius)]  # over the middle
+        highest, lowest = reduce(xp.maximum, heights), reduce(xp.minimum, heights)
+        return xp.maximum(highest, 0.0) - xp.minimum(lowest, 0.0)
 
     @property
     def _together(self) -> Numeric:
@@ -176,9 +177,3 @@ def hung(
     shared = radius, ring, hold, held.at_three_points
     alone = None if faces is None else HangingPlate(*shared, faces, poisson)
     return HangingPlate(*shared, stiffness, poisson, shear, alone)
-
-
-def _range(heights: Sequence[Array]) -> Array:
-    """Largest difference of heights; that of the middle is zero."""
-    highest, lowest = reduce(xp.maximum, heights), reduce(xp.minimum, heights)
-    return xp.maximum(highest, 0.0) - xp.minimum(lowest, 0.0)

@@ -12,7 +12,7 @@ from lightflyer.core import progress
 from lightflyer.core.atomic_files import output_directory
 from lightflyer.files import page
 from lightflyer.files.drawing import DOTS_PER_INCH, save, use_style
-from lightflyer.paper.conditions import COLUMNS, DECIDING, KINETIC, Claim, Quantity, claims, facts
+from lightflyer.paper.conditions import COLUMNS, DECIDING, KINETIC, Claim, claims, facts
 from lightflyer.paper.figures import FIGURES, captions, measured_figures, paper_figure, rows
 from lightflyer.paper.results import (
     Row,
@@ -56,12 +56,41 @@ class Results:
 
 def as_json(results: Results) -> dict[str, Any]:
     """The report as a JSON object."""
+    columns, described = results.columns, []
+    for claim in claims():
+        quantities = []
+        for one in claim.quantities:
+            ours = {name: values[one.key] for name, values in columns.items()}
+            quantities.append(
+                {
+                    "key": one.key,
+                    "name": one.name,
+                    "unit": one.unit,
+                    "paper": [one.lowest, one.highest],
+                    "tolerance": one.tolerance,
+                    "ours": ours,
+                    "difference": {name: one.difference(value) for name, value in ours.items()},
+                    "agrees": {name: one.agrees(value) for name, value in ours.items()},
+                }
+            )
+        described.append(
+            {
+                "number": claim.number,
+                "claim": claim.text,
+                "place": claim.place,
+                "verdict": str(claim.overall(columns)),
+                "why": claim.reason(columns),
+                "reproduced_by": claim.reproducers(columns),
+                "verdicts": {name: str(claim.verdict(values)) for name, values in columns.items()},
+                "quantities": quantities,
+            }
+        )
     return {
         "source": SOURCE,
         "lightflyer_version": lightflyer.__version__,
         "columns": {column.key: column.description for column in COLUMNS},
         "chamber": facts()["chamber"]["note"],
-        "claims": [_claim_json(claim, results.columns) for claim in claims()],
+        "claims": described,
         "check": results.checks,
         "values": results.columns,
         "kinetic": results.kinetic,
@@ -69,33 +98,6 @@ def as_json(results: Results) -> dict[str, Any]:
         "table_s2": table_s2(),
         "tac_pairs": tac_pairs(),
         "figures": captions(),
-    }
-
-
-def _claim_json(claim: Claim, columns: dict[str, dict[str, float]]) -> dict[str, Any]:
-    return {
-        "number": claim.number,
-        "claim": claim.text,
-        "place": claim.place,
-        "verdict": str(claim.overall(columns)),
-        "why": claim.reason(columns),
-        "reproduced_by": claim.reproducers(columns),
-        "verdicts": {name: str(claim.verdict(values)) for name, values in columns.items()},
-        "quantities": [_quantity_json(quantity, columns) for quantity in claim.quantities],
-    }
-
-
-def _quantity_json(quantity: Quantity, columns: dict[str, dict[str, float]]) -> dict[str, Any]:
-    ours = {name: values[quantity.key] for name, values in columns.items()}
-    return {
-        "key": quantity.key,
-        "name": quantity.name,
-        "unit": quantity.unit,
-        "paper": [quantity.lowest, quantity.highest],
-        "tolerance": quantity.tolerance,
-        "ours": ours,
-        "difference": {name: quantity.difference(value) for name, value in ours.items()},
-        "agrees": {name: quantity.agrees(value) for name, value in ours.items()},
     }
 
 
@@ -286,35 +288,35 @@ def _plain_table(rows: list[Row]) -> _Block:
 
 def as_markdown(results: Results) -> str:
     """The report as Markdown; figures are links to files in ``figures/``."""
-    return "\n\n".join(map(_markdown, _blocks(results))) + "\n"
-
-
-def _markdown(block: _Block) -> str:
-    if block.kind == "p":
-        return block.text
-    if block.kind == "img":
-        return f"![{block.text}](figures/{block.image}.png)"
-    if block.kind == "table":
-        header, *rows = block.rows
-        lines = [header, ("---",) * len(header), *rows]
-        return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-    return "#" * int(block.kind[1]) + " " + block.text
+    parts = []
+    for block in _blocks(results):
+        if block.kind == "p":
+            parts.append(block.text)
+        elif block.kind == "img":
+            parts.append(f"![{block.text}](figures/{block.image}.png)")
+        elif block.kind == "table":
+            header, *rows = block.rows
+            lines = [header, ("---",) * len(header), *rows]
+            parts.append("\n".join("| " + " | ".join(line) + " |" for line in lines))
+        else:
+            parts.append("#" * int(block.kind[1]) + " " + block.text)
+    return "\n\n".join(parts) + "\n"
 
 
 def as_html(results: Results, images: dict[str, Path]) -> str:
     """The report as one self-contained page; ``images``: PNG file of each figure, by name."""
-    return page.page("The paper, reproduced", (_html(block, images) for block in _blocks(results)))
-
-
-def _html(block: _Block, images: dict[str, Path]) -> str:
-    if block.kind == "img":
-        return page.image(images[block.image].read_bytes(), "png", block.text)
-    if block.kind == "table":
-        header, *rows = block.rows
-        return page.table(rows, header)
-    if block.kind == "p":
-        return page.paragraph(block.text)
-    return page.heading(block.text, int(block.kind[1]))
+    parts = []
+    for block in _blocks(results):
+        if block.kind == "img":
+            parts.append(page.image(images[block.image].read_bytes(), "png", block.text))
+        elif block.kind == "table":
+            header, *rows = block.rows
+            parts.append(page.table(rows, header))
+        elif block.kind == "p":
+            parts.append(page.paragraph(block.text))
+        else:
+            parts.append(page.heading(block.text, int(block.kind[1])))
+    return page.page("The paper, reproduced", parts)
 
 
 def dump(results: Results) -> str:

@@ -343,11 +343,8 @@ def tac_pairs() -> list[Row]:
 def to_csv(rows: list[Row]) -> str:
     """Rows as comma-separated values with a header; ``rows``: all with the same keys."""
     lines = [",".join(rows[0])]
-    lines += [",".join(_cell(value) for value in row.values()) for row in rows]
+    for row in rows:
+        given = (NOT_AVAILABLE if value is None else value for value in row.values())
+        cells = (f"{value:.6g}" if isinstance(value, float) else str(value) for value in given)
+        lines.append(",".join(cells))
     return "\n".join(lines) + "\n"
-
-
-def _cell(value: Any) -> str:
-    if value is None:
-        return NOT_AVAILABLE
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

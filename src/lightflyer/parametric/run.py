@@ -23,7 +23,7 @@ from lightflyer.core.checks import is_labelled
 from lightflyer.core.errors import ConfigurationError, LightflyerError, ParameterWarning
 from lightflyer.core.progress import Counted
 from lightflyer.core.quantity import require_record
-from lightflyer.design.design import AbstractDesign, Field
+from lightflyer.design.design import AbstractDesign
 from lightflyer.design.outputs import outputs_of
 from lightflyer.environment.base import AbstractEnvironment
 from lightflyer.force.base import AbstractForceModel
@@ -47,9 +47,33 @@ def sweep_labelled(
     """Outputs over arrays that broadcast by the names of their dimensions."""
     import xarray as xr
 
-    arrays = {name: _array(design.field(name), entry) for name, entry in entries.items()}
+    arrays: dict[str, xr.DataArray] = {}
+    for name, entry in entries.items():
+        if is_labelled(entry):
+            array = design.field(name).quantity.number(name, entry)
+            arrays[name] = array if is_labelled(array) else xr.DataArray(array)
+        elif not isinstance(entry, StudyAxis):
+            raise ConfigurationError(f"{name}: a distribution cannot be combined with DataArrays")
+        elif entry.single:
+            arrays[name] = xr.DataArray(float(entry.values[0]))
+        else:
+            arrays[name] = xr.DataArray(entry.values, dims=[name], coords={name: entry.values})
+
+    def evaluate(*columns: np.ndarray) -> Any:
+        """Outputs of a block of designs, one for each element of the broadcast columns."""
+        columns = np.broadcast_arrays(*columns)
+        values = {name: np.ravel(column) for name, column in zip(arrays, columns, strict=True)}
+        for name, column in values.items():
+            require(design.field(name), column)
+        study = Study(design, (Dimension("design", values),), {}, outputs)
+        results: Table = dict.fromkeys(outputs, columns[0])
+        if columns[0].size:
+            results, _ = Evaluator(study)(0, study.size)
+        found = tuple(results[name].reshape(columns[0].shape) for name in outputs)
+        return found if len(found) > 1 else found[0]  # xarray takes a tuple for several outputs
+
     found = xr.apply_ufunc(
-        lambda *columns: _evaluate(design, list(arrays), columns, outputs),
+        evaluate,
         *arrays.values(),
         output_core_dims=[[] for _ in outputs],
         dask="parallelized",
@@ -58,44 +82,12 @@ def sweep_labelled(
     columns = found if isinstance(found, tuple) else (found,)
     dataset = xr.Dataset(dict(zip(outputs, columns, strict=True)))
     known_outputs = outputs_of(design.setup)
-    for name, column in dataset.items():
-        column.attrs = known_outputs[str(name)].attributes
+    for output in outputs:
+        dataset[output].attrs = known_outputs[output].attributes
     dataset = dataset.assign_coords(arrays)
     for name, array in arrays.items():
         dataset[name].attrs = array.attrs | design.field(name).attributes
     return dataset
-
-
-def _array(known: Field, entry: Any) -> "xr.DataArray":
-    import xarray as xr
-
-    if is_labelled(entry):
-        array: xr.DataArray = known.quantity.number(known.name, entry)
-        return array if is_labelled(array) else xr.DataArray(array)
-    if not isinstance(entry, StudyAxis):
-        raise ConfigurationError(f"{known.name}: a distribution cannot be combined with DataArrays")
-    if entry.single:
-        return xr.DataArray(float(entry.values[0]))
-    return xr.DataArray(entry.values, dims=[known.name], coords={known.name: entry.values})
-
-
-def _evaluate(
-    design: AbstractDesign,
-    names: list[str],
-    columns: Sequence[np.ndarray],
-    outputs: tuple[str, ...],
-) -> Any:
-    """Outputs of a block of designs, one for each element of the broadcast columns."""
-    columns = np.broadcast_arrays(*columns)
-    values: Table = {name: np.ravel(column) for name, column in zip(names, columns, strict=True)}
-    for name, column in values.items():
-        require(design.field(name), column)
-    study = Study(design, (Dimension("design", values),), {}, outputs)
-    results: Table = dict.fromkeys(outputs, columns[0])
-    if columns[0].size:
-        results, _ = Evaluator(study)(0, study.size)
-    found = tuple(results[name].reshape(columns[0].shape) for name in outputs)
-    return found if len(found) > 1 else found[0]  # xarray takes a tuple for several outputs
 
 
 @dataclass(frozen=True)

@@ -163,8 +163,10 @@ def uniform_excess(
 
     flyer, state = equations.flyer, equations.state
     dark = power == 0.0
-    # without light there is nothing to solve; a stand-in keeps the search finite
-    target = xp.where(dark, _stand_in(flyer, state), power)
+    # without light there is nothing to solve; a stand-in keeps the search finite: the power that
+    # the flyer's outline, if black, would radiate at the gas temperature
+    stand_in = flyer.area * state.radiation.stefan_boltzmann * state.temperature**4
+    target = xp.where(dark, stand_in, power)
     sign = xp.sign(target)
     highest = flyer.highest_excess(state, target)
     # the secant from zero through the highest: close where gas dominates too
@@ -180,11 +182,6 @@ def uniform_excess(
         known=(highest, most),
     )
     return xp.where(dark, 0.0, sign * size), outcome
-
-
-def _stand_in(flyer: AbstractFlyer, state: EnvironmentState) -> Array:
-    """Power that the flyer's outline, if black, would radiate at the gas temperature [W]."""
-    return flyer.area * state.radiation.stefan_boltzmann * state.temperature**4
 
 
 def imbalances(
@@ -244,7 +241,8 @@ def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
     powers = equations.powers(state.radiation.irradiance)
     unknowns, outcome = solve_balance(equations, powers)
     gas, own, _ = found = equations.balance(unknowns)
-    worst = _furthest(imbalances(found, powers, largest_power(powers)))
+    missed = imbalances(found, powers, largest_power(powers))
+    worst = reduce(lambda a, b: xp.where(xp.abs(b) > xp.abs(a), b, a), missed)
     return Equilibrium(
         nodes=flyer.nodes,
         temperatures=tuple(
@@ -257,11 +255,6 @@ def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
         residual=worst,
         status=status_within(outcome.status, worst, ENERGY_TOLERANCE),
     )
-
-
-def _furthest(values: tuple[Array, ...]) -> Array:
-    """The value that is farthest from zero."""
-    return reduce(lambda a, b: xp.where(xp.abs(b) > xp.abs(a), b, a), values)
 
 
 def status_within(status: Array, residual: Array, tolerance: float) -> Array:

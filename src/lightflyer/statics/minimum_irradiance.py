@@ -269,7 +269,10 @@ def _find_step_by_step(
             equations, at, brightest, load, tries = tree.take_rows(given, searching.shape, rows)
         found, slopes, imbalance = _step_in(equations, at.light, at.unknowns)
         settled = imbalance <= at.tolerance
-        lost = ~settled & ((tries == _PATIENCE) | ~_is_possible(equations, found[1]))
+        # temperatures are above absolute zero, and all unknowns numbers
+        warm = (one > -1.0 for one in found[1][: len(equations.flyer.nodes)])
+        possible = reduce(np.logical_and, [*map(np.isfinite, found[1]), *warm])
+        lost = ~settled & ((tries == _PATIENCE) | ~possible)
         if (lost & (at.stage != _DONE)).any():
             careful = _force_in(equations, at.light, at.unknowns, at.tolerance)
             found, slopes = _select(lost, careful, (found, slopes))
@@ -285,13 +288,6 @@ def _find_step_by_step(
         else:
             at = _select(settled, _advance(at, found, slopes, brightest, load), closer)
     return tree.put_rows(whole, places, at)
-
-
-def _is_possible(equations: FlightEquations, unknowns: Unknowns) -> Array:
-    """Whether all temperatures are above absolute zero, and all unknowns numbers."""
-    finite = [np.isfinite(one) for one in unknowns]
-    warm = [one > -1.0 for one in unknowns[: len(equations.flyer.nodes)]]
-    return reduce(np.logical_and, [*finite, *warm])
 
 
 def _start(brightest: Array, unknowns: Unknowns) -> LeastLight:
@@ -345,7 +341,11 @@ def _advance(
     dark = _select(in_the_dark, Knot(at.light, force, slope), at.dark)
     first = xp.where(belied, 1, xp.where(in_the_dark, _first_stage(dark, brightest, load), 0))
     moves = goes_on | belied
-    stage = _next_stage(at, carries | (looking & hopeless), begins, bracket.active)
+    ends = carries | (looking & hopeless)
+    stage = xp.minimum(at.stage + 1, _DONE)
+    stage = xp.where((at.stage == _IN_BRACKET) & bracket.active, _IN_BRACKET, stage)
+    stage = xp.where((at.stage == _AT_PEAK) | ends, _DONE, stage)
+    stage = xp.where(begins, _IN_BRACKET, stage).astype(np.int32)
     stage = xp.where(moves, xp.where(first > 0, first, stage), stage)
     brighter = xp.where(at.stage >= _AT_BRIGHTEST, vertex, _RATIO * at.light)
     brighter = xp.where(first > 0, _DIMMEST * _RATIO ** (first - 1.0) * brightest, brighter)
@@ -400,13 +400,6 @@ def _ahead(light: Array, following: Array, unknowns: Unknowns, changes: Unknowns
         line = value + change * (following - light)
         found.append(xp.where((light > 0.0) & (value != 0.0), grown, line))
     return tuple(found)
-
-
-def _next_stage(at: LeastLight, carries: Array, begins: Array, active: Array) -> Array:
-    after = xp.minimum(at.stage + 1, _DONE)
-    after = xp.where((at.stage == _IN_BRACKET) & active, _IN_BRACKET, after)
-    after = xp.where((at.stage == _AT_PEAK) | carries, _DONE, after)
-    return xp.where(begins, _IN_BRACKET, after).astype(np.int32)
 
 
 def _peaks(at: LeastLight, here: Knot) -> tuple[Knot, tuple[Knot, Knot], Array]:

@@ -123,7 +123,9 @@ def sinking_speed(
     >>> print(f"{lf.statics.sinking_speed(disk, state):.2f} m/s")
     1.38 m/s
     """
-    _require_level(flyer)
+    attitude = flyer.attitude
+    if attitude is not None and is_concrete(attitude.tilt) and np.any(attitude.tilt != 0.0):
+        raise ParameterError("sinking_speed is for a level flyer: a tilted one glides, see fly()")
     if model is None:
         require_record("flyer", (AbstractFlyer,), flyer)
         require_record("state", (EnvironmentState,), state)
@@ -133,12 +135,6 @@ def sinking_speed(
     if throw:
         require_converged("sinking speed", found.status, found.residual)
     return found.speed
-
-
-def _require_level(flyer: AbstractFlyer) -> None:
-    attitude = flyer.attitude
-    if attitude is not None and is_concrete(attitude.tilt) and np.any(attitude.tilt != 0.0):
-        raise ParameterError("sinking_speed is for a level flyer: a tilted one glides, see fly()")
 
 
 @elementwise_entry_point

@@ -124,13 +124,13 @@ def from_arguments(kind: type[_Kind], **given: Any) -> _Kind:
     try:
         return kind.model_validate({k: value for k, value in given.items() if value is not None})
     except pydantic.ValidationError as error:
-        lines = [_explain(mistake, kind) for mistake in error.errors()]
+        lines = []
+        for mistake in error.errors():
+            name = ".".join(map(str, mistake["loc"]))
+            if mistake["type"] == "extra_forbidden":
+                known = _SECTIONS.get(f"optimise.{name.rpartition('.')[0]}", kind)
+                choice = ", ".join(known.model_fields)
+                lines.append(f"{name} is unknown; choose from {choice}")
+            else:
+                lines.append(format_error(mistake, name))
         raise ConfigurationError("\n".join(lines)) from None
-
-
-def _explain(mistake: Any, kind: type[Section]) -> str:
-    name = ".".join(map(str, mistake["loc"]))
-    if mistake["type"] == "extra_forbidden":
-        known = _SECTIONS.get(f"optimise.{name.rpartition('.')[0]}", kind)
-        return f"{name} is unknown; choose from {', '.join(known.model_fields)}"
-    return format_error(mistake, name)

@@ -178,10 +178,21 @@ def assemble_study(
     source: StudySource | None = None,
 ) -> Study:
     """Study of entries that are read."""
-    found = list(entries.values())
+    found, how = list(entries.values()), sampling or SamplingSection()
+    dimensions = [
+        Dimension(axis.field.name, {axis.field.name: axis.values})
+        for axis in found
+        if isinstance(axis, StudyAxis) and not axis.single
+    ]
+    distributions = [part for part in found if isinstance(part, Distribution)]
+    if distributions:
+        with errors_at(source, "sampling"):
+            correlations = design.correlations
+            drawn = draw_samples(distributions, how.points, how.method, how.seed, correlations)
+        dimensions.append(Dimension(SAMPLE, drawn))
     return Study(
         design=design,
-        dimensions=_dimensions(design, found, sampling or SamplingSection(), source),
+        dimensions=tuple(dimensions),
         fixed={
             axis.field.name: float(axis.values[0])
             for axis in found
@@ -201,27 +212,6 @@ def require_compatible(
         first, second = conflict
         with errors_at(source, *sections, first):
             raise ConfigurationError(f"{first} cannot vary together with {second}, which sets it")
-
-
-def _dimensions(
-    design: AbstractDesign,
-    found: Sequence[StudyAxis | Distribution],
-    sampling: SamplingSection,
-    source: StudySource | None,
-) -> tuple[Dimension, ...]:
-    dimensions = [
-        Dimension(axis.field.name, {axis.field.name: axis.values})
-        for axis in found
-        if isinstance(axis, StudyAxis) and not axis.single
-    ]
-    distributions = [part for part in found if isinstance(part, Distribution)]
-    if distributions:
-        with errors_at(source, "sampling"):
-            drawn = draw_samples(
-                distributions, sampling.points, sampling.method, sampling.seed, design.correlations
-            )
-        dimensions.append(Dimension(SAMPLE, drawn))
-    return tuple(dimensions)
 
 
 def read_study(path: str | Path) -> Study:

@@ -49,6 +49,14 @@ _discover()
 PARTS = ("flyer", "film", "environment", "force", "payload")
 """Sections whose numbers describe a design."""
 
+BASES: dict[str, type[Alternative]] = {
+    "flyer": FlyerSection,
+    "film": FilmSection,
+    "environment": EnvironmentSection,
+    "force": ForceSection,
+}
+"""Those of them that have alternatives."""
+
 _LEVEL = 90.0  # degrees from the vertical
 _ANY_MODEL = "kinetic"  # where the flyer is unknown: the error about that comes first
 
@@ -305,10 +313,11 @@ class FileDesign(AbstractDesign):
             for name in names
             if any(
                 film.changes_optics(
-                    "incidence" if name in directions else _within(own, name),
+                    "incidence" if name in directions else name.removeprefix(f"{own}."),
                     passing=self._passing,
                 )
                 for own, film in films.items()
+                if name in directions or name.startswith(f"{own}.")
             )
         ]
 
@@ -375,12 +384,6 @@ class FileDesign(AbstractDesign):
         return described
 
 
-def _within(section: str, name: str) -> str:
-    """Name of a number within a section, empty where it is outside."""
-    inside = name.startswith(f"{section}.")
-    return name.removeprefix(f"{section}.") if inside else ""
-
-
 def _flatten(content: Mapping[str, Any]) -> list[tuple[str, Any]]:
     """Entries of nested sections by dotted name; a list of sections stays one entry each."""
     found: list[tuple[str, Any]] = []
@@ -396,19 +399,13 @@ def _flatten(content: Mapping[str, Any]) -> list[tuple[str, Any]]:
 
 def section_at(name: str, content: Any) -> type[Section] | None:
     """Class of the section at a dotted name of the file, for messages about its keys."""
-    bases: dict[str, type[Alternative]] = {
-        "flyer": FlyerSection,
-        "film": FilmSection,
-        "environment": EnvironmentSection,
-        "force": ForceSection,
-    }
     first, _, rest = name.partition(".")
     if not first:
         return FlyerFile
     given = content.get(first) if isinstance(content, Mapping) else None
     kind: type[Section] | None = PayloadSection if first == "payload" else None
-    if first in bases:
-        kind = bases[first].alternatives.get(bases[first].tag_of(given))
+    if first in BASES:
+        kind = BASES[first].alternatives.get(BASES[first].tag_of(given))
     return section_within(kind, rest, given)
 
 
@@ -417,19 +414,13 @@ def section_within(kind: type[Section] | None, rest: str, given: Any) -> type[Se
     for key in rest.split(".") if rest else []:
         if kind is None or key.isdigit():
             continue  # entries of a list are all alike
-        kind = _inner_section(kind, key, given)
         given = given.get(key) if isinstance(given, Mapping) else None
+        known = kind.model_fields.get(key)
+        found = [] if known is None else sections_in(known.annotation)
+        kind = found[0] if found else None
+        if kind is not None and issubclass(kind, Alternative):
+            kind = kind.alternatives.get(kind.tag_of(given))
     return kind
-
-
-def _inner_section(kind: type[Section], key: str, given: Any) -> type[Section] | None:
-    if key not in kind.model_fields:
-        return None
-    found = sections_in(kind.model_fields[key].annotation)
-    inside = given.get(key) if isinstance(given, Mapping) else None
-    if found and issubclass(found[0], Alternative):
-        return found[0].alternatives.get(found[0].tag_of(inside))
-    return found[0] if found else None
 
 
 def sections_in(annotation: Any) -> list[type[Section]]:

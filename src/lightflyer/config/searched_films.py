@@ -132,16 +132,16 @@ class Candidate:
                 context={FOLDER: folder} if folder else None,
             )
         except pydantic.ValidationError as error:
-            lines = [_explain(mistake, end) for mistake in error.errors()]
+            lines = []
+            for mistake in error.errors():
+                name = ".".join(map(str, mistake["loc"])).replace("thickness", end)
+                if mistake["type"] == "extra_forbidden":
+                    taken = [key for key in LayerSection.model_fields if key != "thickness"]
+                    known = ", ".join((*taken, *_BOUNDS, _CARRIER))
+                    lines.append(f"{name} is unknown; choose from {known}")
+                else:
+                    lines.append(format_error(mistake, name))
             raise ConfigurationError("; ".join(lines)) from None
-
-
-def _explain(mistake: Any, end: str) -> str:
-    name = ".".join(map(str, mistake["loc"])).replace("thickness", end)
-    if mistake["type"] == "extra_forbidden":
-        known = (*(key for key in LayerSection.model_fields if key != "thickness"), *_BOUNDS)
-        return f"{name} is unknown; choose from {', '.join((*known, _CARRIER))}"
-    return format_error(mistake, name)
 
 
 class StackTables(NamedTuple):
@@ -163,10 +163,10 @@ class Stacks(AbstractStacks):
             known = [name for name, film in base.file.films().items() if film.layered]
             choice = " or ".join(known) or "the flyer file has none"
             raise ConfigurationError(f'film = "{self.film}" is no film of layers: {choice}')
-        stated = [name for name in self.section.stated_values() if name not in _STATED_ONCE]
-        if stated:
+        once = [name for name in self.section.stated_values() if name not in _STATED_ONCE]
+        if once:
             raise ConfigurationError(
-                f"{self.film}.{stated[0]} in the flyer file is of one film; a search over stacks "
+                f"{self.film}.{once[0]} in the flyer file is of one film; a search over stacks "
                 "computes it: leave it out there"
             )
         self.candidates = []
@@ -176,18 +176,6 @@ class Stacks(AbstractStacks):
             except (ConfigurationError, ParameterError) as error:
                 name = entry.get("material", f"entry {number + 1}")
                 raise ConfigurationError(f"materials: {name}: {error}") from None
-        self._require_carrier()
-        self.sequences = tuple(self._sequences())
-        if not self.sequences:
-            raise ConfigurationError(
-                f"allows no stack of at most {self.most} layers whose both faces have a known TAC; "
-                "give tac to materials, or tac_top and tac_bottom to the flyer file's film"
-            )
-        self.shares = tuple(f"{self.film}.share.{number}" for number in range(self.most))
-        self.design = AnyStack(self)
-        self.notes = tuple(self._notes())
-
-    def _require_carrier(self) -> None:
         if not any(one.carrier for one in self.candidates):
             raise ConfigurationError(
                 "needs a material with carrier = true: the film that can be handled, no thinner "
@@ -196,6 +184,25 @@ class Stacks(AbstractStacks):
         names = [one.layer.label for one in self.candidates]
         if repeated := [name for name in names if names.count(name) > 1]:
             raise ConfigurationError(f"has {repeated[0]} twice")
+        self.sequences = tuple(self._sequences())
+        if not self.sequences:
+            raise ConfigurationError(
+                f"allows no stack of at most {self.most} layers whose both faces have a known TAC; "
+                "give tac to materials, or tac_top and tac_bottom to the flyer file's film"
+            )
+        self.shares = tuple(f"{self.film}.share.{number}" for number in range(self.most))
+        self.design = AnyStack(self)
+        stated = {face: getattr(self.section, face) for face in FACES}
+        notes = [
+            f"{face} = {known.value:g} of the flyer file is taken for every stack, whatever its "
+            "surface is"
+            for face, known in stated.items()
+            if known is not None
+        ]
+        inside = [one.layer.label for one in self.candidates if one.layer.surface_tac is None]
+        if inside and None in stated.values():
+            notes.append(f"no TAC is known of {', '.join(inside)}: inside of stacks only")
+        self.notes = tuple(notes)
 
     def _sequences(self) -> Iterator[tuple[int, ...]]:
         numbers = range(len(self.candidates))
@@ -219,18 +226,6 @@ class Stacks(AbstractStacks):
             known = getattr(self.section, face) or self.candidates[number].layer.surface_tac
             found.append(None if known is None else float(known.value))
         return found
-
-    def _notes(self) -> Iterator[str]:
-        for face in FACES:
-            known = getattr(self.section, face)
-            if known is not None:
-                yield (
-                    f"{face} = {known.value:g} of the flyer file is taken for every stack, "
-                    "whatever its surface is"
-                )
-        inside = [one.layer.label for one in self.candidates if one.layer.surface_tac is None]
-        if inside and None in [getattr(self.section, face) for face in FACES]:
-            yield f"no TAC is known of {', '.join(inside)}: inside of stacks only"
 
     def labels(self, sequence: Sequence[int]) -> tuple[str, ...]:
         return tuple(self.candidates[number].layer.label for number in sequence)

@@ -14,13 +14,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import lightflyer
-from lightflyer.config.flyer_file import FileDesign, models_for, sections_in
+from lightflyer.config.flyer_file import BASES, FileDesign, models_for, sections_in
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured, scale_and_offset
 from lightflyer.explorer.compute import prediction_of, uncertainty_of
 from lightflyer.explorer.grammar import (
-    BASES,
     MISSION,
     base_of,
     example,

@@ -16,15 +16,11 @@ from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from lightflyer.config.flyer_file import PARTS, FlyerFile, section_at, sections_in
+from lightflyer.config.flyer_file import BASES, PARTS, FlyerFile, section_at, sections_in
 from lightflyer.core.quantity import Quantity
 from lightflyer.core.units import Measured
-from lightflyer.environment.section import EnvironmentSection
 from lightflyer.files.section import Alternative, OneOf, Section
 from lightflyer.film.media.library import material_names
-from lightflyer.film.properties import FilmSection
-from lightflyer.flyer.base import FlyerSection
-from lightflyer.force.base import ForceSection
 from lightflyer.mission.mission_file import EnsembleSection, LaunchesSection, MissionSection
 
 _HEADER = re.compile(r"^\s*(?:# )?\[([\w.]+)\]")
@@ -35,14 +31,6 @@ _GUESS = "(guess) "
 _FIRST = "earth"
 
 MISSION = "mission"  # Part of a document that a mission file has beside those of a flyer file
-
-BASES: dict[str, type[Alternative]] = {
-    "flyer": FlyerSection,
-    "film": FilmSection,
-    "environment": EnvironmentSection,
-    "force": ForceSection,
-}
-"""Parts of a flyer file that have alternatives."""
 
 _TITLES = {
     "flyer": "Flyer",

@@ -118,7 +118,10 @@ def read_lines(path: Path) -> list[Lines]:
     """Tables that a file may hold; one, or one for each sheet of a workbook that holds anything."""
     if path.suffix == ".toml":
         raise ConfigurationError(f"{path}: is a TOML file, such as a flyer's, not a table")
-    book, sheet = split_sheet(path)
+    # a sheet is named after its workbook, as in ``runs.xlsx#May 3``
+    before, mark, title = str(path).rpartition(SHEET)
+    named = mark and before.lower().endswith((".xlsx", ".xlsm")) and not path.exists()
+    book, sheet = (Path(before), title) if named else (path, None)
     content = read_content(book)
     if is_workbook(content, str(book)):
         sheets = read_sheets(content, str(book))
@@ -137,14 +140,6 @@ def read_lines(path: Path) -> list[Lines]:
     if stated:
         lines[0], delimiter = "", stated[1]
     return [Lines(str(path), lines, text.endswith(("\n", "\r")), delimiter)]
-
-
-def split_sheet(path: Path) -> tuple[Path, str | None]:
-    """Path of a workbook and the sheet that is named after it, as in ``runs.xlsx#May 3``."""
-    before, mark, sheet = str(path).rpartition(SHEET)
-    if mark and before.lower().endswith((".xlsx", ".xlsm")) and not path.exists():
-        return Path(before), sheet
-    return path, None
 
 
 def is_workbook(content: bytes, name: str) -> bool:

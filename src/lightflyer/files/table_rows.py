@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -192,9 +192,30 @@ def _read_slowly(source: str, block: Sequence[Row], layout: Layout, marks: Marks
             reason = f"has {count}, the header names {width} columns"
             rejected.append(Rejected(source, line, reason))
             continue
-        row, said = _read_row(cells, layout, marks, f"{source}:{line}")
-        if isinstance(row, str):
-            rejected.append(Rejected(source, line, row))
+        row: list[float] = []
+        said: dict[str, str] = {}
+        place, reason = f"{source}:{line}", ""
+        for position, one in layout.columns.items():
+            cell, column = cells[position], one.column
+            if column.text:
+                if not (cell or column.blank):
+                    raise ConfigurationError(f"{place}: {column.name} is empty")
+                said[column.name] = cell.removesuffix(AS_TEXT)
+                continue
+            value = marks.number(cell)
+            if value is None and cell.endswith("%") and not column.quantity.unit:
+                # such as ``75 %`` in a column of pure numbers, in the column's unit
+                value = marks.number(cell[:-1].rstrip())
+                value = value if value is None or column.any_unit else value / _PERCENT / one.scale
+            if value is None:
+                reason = _not_a_number(cell, column.name, place)
+                break
+            if abs(value) > _LARGEST or not _measurable(abs(value)):
+                reason = f"{column.name} is {cell}, which is no measured value"
+                break
+            row.append(value)
+        if reason:
+            rejected.append(Rejected(source, line, reason))
             continue
         lines.append(line)
         values.append(row)
@@ -202,32 +223,6 @@ def _read_slowly(source: str, block: Sequence[Row], layout: Layout, marks: Marks
             texts[name].append(word)
     shape = len(lines), len(layout.number_columns)
     return Values(np.array(lines, int), np.array(values, float).reshape(shape), texts, rejected)
-
-
-def _read_row(
-    cells: Sequence[str], layout: Layout, marks: Marks, place: str
-) -> tuple[list[float] | str, Mapping[str, str]]:
-    """Numbers and texts of a row; in place of the numbers, why it cannot be read."""
-    row: list[float] = []
-    said: dict[str, str] = {}
-    for position, one in layout.columns.items():
-        cell, column = cells[position], one.column
-        if column.text:
-            if not (cell or column.blank):
-                raise ConfigurationError(f"{place}: {column.name} is empty")
-            said[column.name] = cell.removesuffix(AS_TEXT)
-            continue
-        value = marks.number(cell)
-        if value is None and cell.endswith("%") and not column.quantity.unit:
-            # such as ``75 %`` in a column of pure numbers, in the column's unit
-            value = marks.number(cell[:-1].rstrip())
-            value = value if value is None or column.any_unit else value / _PERCENT / one.scale
-        if value is None:
-            return _not_a_number(cell, column.name, place), said
-        if abs(value) > _LARGEST or not _measurable(abs(value)):
-            return f"{column.name} is {cell}, which is no measured value", said
-        row.append(value)
-    return row, said
 
 
 def _not_a_number(cell: str, name: str, place: str) -> str:

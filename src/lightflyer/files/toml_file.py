@@ -45,20 +45,6 @@ def nearest(key: str, known: Sequence[str]) -> str:
     return next(iter(difflib.get_close_matches(key, others, n=1, cutoff=0.6)), "")
 
 
-def choosing_key(mistake: Any) -> list[str]:
-    """The key whose value chose an alternative that does not exist."""
-    if mistake["type"] != UNKNOWN:
-        return []
-    base, tag = mistake["ctx"]["base"], mistake["ctx"]["tag"]
-    values = tag.split(" ")
-    wrong = (
-        key
-        for (key, _), value in zip(base.choosing_keys, values, strict=False)
-        if value not in base.choices(key, tag)
-    )
-    return [next(wrong)]
-
-
 def _missing_key(mistake: Any, dotted: str) -> str:
     section, _, key = dotted.rpartition(".")
     keys = mistake.get("keys", [key])
@@ -284,7 +270,11 @@ _GRAMMAR = {
 
 def _explain(mistake: Any, document: dict[str, Any], text: str, path: Path, kind: FileKind) -> str:
     """One line for one of Pydantic's errors."""
-    keys = [*mistake["loc"], *choosing_key(mistake)]
+    keys = [*mistake["loc"]]
+    if mistake["type"] == UNKNOWN:  # the key whose value chose an alternative that does not exist
+        base, tag = mistake["ctx"]["base"], mistake["ctx"]["tag"]
+        pairs = zip(base.choosing_keys, tag.split(" "), strict=False)
+        keys.append(next(k for (k, _), value in pairs if value not in base.choices(k, tag)))
     keys = keys or named_keys(mistake["msg"])
     dotted = ".".join(map(str, keys))
     place = place_of(keys, text, path)

@@ -7,7 +7,7 @@ pole.
 import abc
 import sys
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -152,13 +152,6 @@ def describe_all(areas: Sequence[AbstractArea]) -> list[str]:
     return [area.describe() for area in areas]
 
 
-class Directions(NamedTuple):
-    """Local directions as unit vectors in the planet's frame."""
-
-    east: Array  # shape (..., 3); at a pole those of the meridian of longitude 0
-    north: Array
-
-
 def unit_vector(latitude: Numeric, longitude: Numeric) -> Array:
     """Unit vector of a place, shape (..., 3)."""
     across = xp.cos(latitude)
@@ -185,13 +178,13 @@ geographic, unit_vectors = entry_point(latitude_and_longitude), entry_point(unit
 """The same of plain numbers, computed by NumPy."""
 
 
-def directions(latitude: Numeric, longitude: Numeric) -> Directions:
-    """East and north at a place."""
+def directions(latitude: Numeric, longitude: Numeric) -> tuple[Array, Array]:
+    """East and north as unit vectors, shape (..., 3); at a pole those of longitude 0."""
     sine, cosine = xp.sin(longitude), xp.cos(longitude)
     up, across = xp.sin(latitude), xp.cos(latitude)
     east = xp.broadcast_arrays(-sine, cosine, 0.0 * sine)
     north = xp.broadcast_arrays(-up * cosine, -up * sine, across)
-    return Directions(xp.stack(east, axis=-1), xp.stack(north, axis=-1))
+    return xp.stack(east, axis=-1), xp.stack(north, axis=-1)
 
 
 def angles_towards(

@@ -37,7 +37,7 @@ from lightflyer.mission.path.integration import (
     TerminationReason,
     Track,
 )
-from lightflyer.mission.path.motion import Course, Variable, Vehicle, moments, planet_of
+from lightflyer.mission.path.motion import Course, Vehicle, moments, planet_of
 from lightflyer.mission.path.release import (
     Release,
     limits_of,
@@ -50,7 +50,7 @@ from lightflyer.mission.report.assumptions import (
     diagnose_flight,
     termination_text,
 )
-from lightflyer.mission.report.dataset import Several, add_several, dataset_of
+from lightflyer.mission.report.dataset import add_several, dataset_of
 from lightflyer.mission.report.events import add_events, events_of, sample_flight
 from lightflyer.mission.report.ground import Receiver, add_station, add_telemetry
 from lightflyer.mission.report.landing import HIGHEST_GROUND, Landing, add_landing
@@ -261,13 +261,12 @@ def fly(
     dataset.attrs["warnings"] = "\n".join(dict.fromkeys(warnings))
     if ensemble is not None and flown > 1:
         rows = slice(1, min(flown, 1 + ensemble.members))
-        members = _rows(tracks, rows), times[rows]
-        add_several(dataset, Several("ensemble_", "member", {}, *members))
+        add_several(dataset, "ensemble_", "member", _rows(tracks, rows), times[rows])
     if launches and flown == flights.count:
         chosen = [0, *range(flown - len(launches), flown)]
-        delays = np.array([0.0, *launches]), Variable("s", "delay of the release")
-        later = _rows(tracks, chosen), times[chosen]
-        add_several(dataset, Several("launch_", "launch", {"launch_delay": delays}, *later))
+        add_several(dataset, "launch_", "launch", _rows(tracks, chosen), times[chosen])
+        about = {"units": "s", "long_name": "delay of the release"}
+        dataset.coords["launch_delay"] = ("launch", np.array([0.0, *launches]), about)
 
     # what decides the results
     planet, highest = planet_of(setup.environment), setup.flyer.highest_temperature

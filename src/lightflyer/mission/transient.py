@@ -19,7 +19,7 @@ from lightflyer.core.progress import report
 from lightflyer.environment.base import Place
 from lightflyer.mission.areas import distances_between, geographic
 from lightflyer.mission.fleet import Flights, WorkFolder, flight_of, fly_all, note, unflown
-from lightflyer.mission.path.dynamics import Inertia, Moving, follow
+from lightflyer.mission.path.dynamics import FlightConditions, Inertia, Moving, follow
 from lightflyer.mission.path.integration import (
     Plan,
     Start,
@@ -64,16 +64,6 @@ _ABOUT = {
     "warmth": Variable("K", "largest warmth of air that is stopped"),
 }
 PREFIX = "release_"
-
-
-class FlightConditions(NamedTuple):
-    """What a flyer with inertia meets, shape (n,)."""
-
-    ground: np.ndarray  # Velocity over ground, to the east, north and up [m/s], shape (n, 3)
-    speed: np.ndarray  # Through the air [m/s]
-    density: np.ndarray  # Of the gas [kg/m³]
-    heat_capacity: np.ndarray  # Of the gas at constant pressure [J/(kg K)]
-    acceleration: np.ndarray  # [m/s²]
 
 
 class Transient(NamedTuple):

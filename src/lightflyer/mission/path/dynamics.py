@@ -6,7 +6,7 @@ not in balance at once. That is also a check of what flights in balance assume.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -61,6 +61,16 @@ _SLOW, _PATIENCE = 1e-3, 60.0
 what is heavy never falls as slowly."""
 
 _DIFFERENCE = 1e-7  # of altitudes, over their size, by which a balloon's stiffness is taken
+
+
+class FlightConditions(NamedTuple):
+    """What a flyer with inertia meets, shape (n,)."""
+
+    ground: Array  # Velocity over ground, to the east, north and up [m/s], shape (n, 3)
+    speed: Array  # Through the air [m/s]
+    density: Array  # Of the gas [kg/m³]
+    heat_capacity: Array  # Of the gas at constant pressure [J/(kg K)]
+    acceleration: Array  # [m/s²]
 
 
 class Inertia(Checked):
@@ -276,19 +286,18 @@ class Moving(Balanced):
         lasts = inertia < xp.minimum(INERTIA, _SLOW * (1.0 + elapsed / _PATIENCE))
         return lasts & (missed < share * xp.hypot(axial, slope) + beside)
 
-    def conditions(self, elapsed: Any, states: Array) -> tuple[Array, ...]:
-        """What flyers feel, as :class:`~lightflyer.mission.transient.FlightConditions` has it."""
+    def conditions(self, elapsed: Any, states: Array) -> FlightConditions:
+        """What flyers feel, shape (members, n)."""
         _, place, local = self.local(elapsed, states)
         ground, state = velocity_over_ground(states, place), local.state
         speed = _length(*(one - other for one, other in zip(ground, local.wind, strict=True)))
         speeding = SPEED_SCALE * _length(
             *xp.moveaxis(self.rate(elapsed, states)[0][..., MOVING], -1, 0)
         )
-        found = (
-            speed, state.gas.density(state.pressure, state.temperature),
-            state.gas.heat_capacity(state.temperature), speeding,
-        )  # fmt: skip
-        return xp.stack(ground, axis=-1), *(xp.broadcast_to(one, speed.shape) for one in found)
+        density = state.gas.density(state.pressure, state.temperature)
+        found = (speed, density, state.gas.heat_capacity(state.temperature), speeding)
+        alike = (xp.broadcast_to(one, speed.shape) for one in found)
+        return FlightConditions(xp.stack(ground, axis=-1), *alike)
 
 
 def follow(

@@ -32,7 +32,7 @@ and force are uniform over the flyer, so that neither has a torque.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -149,8 +149,9 @@ def steady_drift(
     found, moving = _drift(setup, height, Attitude(tilt, azimuth), place)
     if not is_concrete(found.speed):
         return found
-    require_converged("heat balance of the tilted flyer", moving.status, moving.residual)
-    state, temperature, axial, slope = strip_labels(moving[:4])
+    *told, status, residual = moving
+    require_converged("heat balance of the tilted flyer", status, residual)
+    state, temperature, axial, slope = strip_labels(tuple(told))
     drags = setup.flyer.drag_diagnostics(state, axial, "broadside", temperature)
     if np.any(slope != 0.0):
         drags += setup.flyer.drag_diagnostics(state, slope, "edgewise", temperature)
@@ -158,21 +159,11 @@ def steady_drift(
     return replace(found, warnings=warnings)
 
 
-class _Drifting(NamedTuple):
-    """What warnings hang on: surroundings, temperature [K], speeds [m/s], how the search ended."""
-
-    state: EnvironmentState
-    temperature: Array
-    axial: Array
-    slope: Array
-    status: Array
-    residual: Array
-
-
 @entry_point
 def _drift(
     setup: Setup, altitude: Numeric, attitude: Attitude, place: Place | None
-) -> tuple[Drift, _Drifting]:
+) -> tuple[Drift, tuple[Any, ...]]:
+    """The drift; surroundings, temperature [K], speeds [m/s], and how the heat balance ended."""
     altitude, *angles = xp.broadcast_arrays(altitude, attitude.tilt, attitude.azimuth)
     attitude = Attitude(*angles)
     state = replace(setup.environment.state(altitude, place), wind=None)
@@ -185,7 +176,7 @@ def _drift(
     speed = moving.east * xp.sin(attitude.azimuth) + moving.north * xp.cos(attitude.azimuth)
     force = setup.model.force(local.flyer, state, heat.unknowns) * xp.sin(attitude.tilt)
     found = Drift(speed, moving.up, force, forces.lift / forces.weight)
-    return found, _Drifting(state, heat.temperature, axial, slope, heat.status, heat.residual)
+    return found, (state, heat.temperature, axial, slope, heat.status, heat.residual)
 
 
 @dataclass(frozen=True, repr=False)

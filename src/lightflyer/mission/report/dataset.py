@@ -1,7 +1,6 @@
 """A mission as a dataset with units, and as files of tables: NetCDF and comma-separated values."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,17 +39,6 @@ SEVERAL = (("ensemble_", "member"), ("launch_", "launch"))
 """Prefixes and dimensions of flights beside that of the flyer as it is stated."""
 
 
-@dataclass(frozen=True)
-class Several:
-    """Flights along a dimension of the dataset."""
-
-    prefix: str  # Of the names of its variables
-    dimension: str
-    labels: dict[str, tuple[np.ndarray, Variable]]  # Coordinates along the dimension
-    track: Track  # Fields have a leading axis
-    released: np.ndarray  # Times of the releases [s since 2000-01-01 12:00 UTC]
-
-
 def degrees_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Latitude and longitude of unit vectors [deg]; ``position`` (..., 3)."""
     flat = np.reshape(position, (-1, 3))
@@ -86,20 +74,22 @@ def dataset_of(
     return dataset
 
 
-def add_several(dataset: "xr.Dataset", several: Several) -> None:
-    """Add the tracks and ends of further flights; of an ensemble the share still aloft, too."""
-    prefix, dimension, size = several.prefix, several.dimension, len(several.released)
+def add_several(
+    dataset: "xr.Dataset", prefix: str, dimension: str, track: Track, released: np.ndarray
+) -> None:
+    """Add the tracks and ends of further flights; of an ensemble the share still aloft, too.
+
+    ``prefix``: of the names; ``released``: times of the releases [s since 2000-01-01 12:00 UTC].
+    """
     about = {"long_name": f"number of the {dimension}"}
-    dataset.coords[dimension] = (dimension, np.arange(size), about)
+    dataset.coords[dimension] = (dimension, np.arange(len(released)), about)
     date = {"long_name": "date of the release (UTC)"}
-    dataset[f"{prefix}released"] = (dimension, dates_of(several.released), date)
-    for name, (label, variable) in several.labels.items():
-        dataset.coords[name] = (dimension, label, variable.attributes)
-    over_time, ends = _variables(several.track)
+    dataset[f"{prefix}released"] = (dimension, dates_of(released), date)
+    over_time, ends = _variables(track)
     dataset.update({prefix + name: ((dimension, ELAPSED), *one) for name, one in over_time.items()})
     dataset.update({prefix + name: (dimension, *one) for name, one in ends.items()})
     if dimension == "member":
-        flying = np.isfinite(several.track.altitude).mean(axis=0)
+        flying = np.isfinite(track.altitude).mean(axis=0)
         about = {"units": "1", "long_name": "share of the ensemble that is still aloft"}
         dataset[f"{prefix}flying"] = (ELAPSED, flying, about)
 

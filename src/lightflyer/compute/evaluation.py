@@ -171,27 +171,22 @@ class OnDevices:
 
 def jit_with_options(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
     """Like :func:`jax.jit`, with options of XLA where it knows them."""
-    jitted = _Tolerant(function, options)
-    return lambda *args, **kwargs: jitted.use(lambda chosen: chosen(*args, **kwargs))
+    known = dict(options)
+    jitted = load_jax().jit(function, compiler_options=known)
 
-
-class _Tolerant:
-    """A jitted function, without those of its options that this XLA does not know."""
-
-    def __init__(self, function: Callable[..., Any], options: dict[str, Any]):
-        self._function, self._known = function, dict(options)
-        self._chosen = load_jax().jit(function, compiler_options=self._known)
-
-    def use(self, how: Callable[[Any], Any]) -> Any:
+    def tolerant(*args: Any, **kwargs: Any) -> Any:
+        nonlocal known, jitted
         while True:
             try:
-                return how(self._chosen)
+                return jitted(*args, **kwargs)
             except load_jax().errors.JaxRuntimeError as error:
-                unknown = {name for name in self._known if f"'{name}'" in str(error)}
+                unknown = {name for name in known if f"'{name}'" in str(error)}
                 if "No such compile option" not in str(error) or not unknown:
                     raise
-            self._known = {k: v for k, v in self._known.items() if k not in unknown}
-            self._chosen = load_jax().jit(self._function, compiler_options=self._known or None)
+            known = {k: v for k, v in known.items() if k not in unknown}
+            jitted = load_jax().jit(function, compiler_options=known or None)
+
+    return tolerant
 
 
 class Evaluator:
@@ -312,12 +307,12 @@ class _Kernel:
         self,
         design: AbstractDesign,
         names: tuple[str, ...],
-        fixed: dict[str, float],
+        fixed: tuple[tuple[str, float], ...],
         device: str | None,
     ):
         self._devices = OnDevices(device) if device else None
         self.parts = self._devices.count if self._devices else 1  # Batches are of a multiple of it
-        every = load_jax().vmap(_outputs_of_one(design, names, fixed))
+        every = load_jax().vmap(_outputs_of_one(design, names, dict(fixed)))
         if self._devices:
             every = self._devices.divide_work(every)
         self._compiled = jit_with_options(every, {} if device == "gpu" else _COMPILATION)
@@ -346,16 +341,7 @@ class _Kernel:
 
 
 _kernels_lock = threading.Lock()
-
-
-@lru_cache(maxsize=16)
-def _known_kernel(
-    design: AbstractDesign,
-    names: tuple[str, ...],
-    fixed: tuple[tuple[str, float], ...],
-    device: str | None,
-) -> _Kernel:
-    return _Kernel(design, names, dict(fixed), device)
+_known_kernel = lru_cache(maxsize=16)(_Kernel)
 
 
 def evaluate_designs(

@@ -115,7 +115,13 @@ def _settle_in() -> None:
     """Prepare a worker's process for computing, before its first chunk."""
     import distributed
 
-    _keep_freed_memory()
+    # Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_``. Having any value there, glibc gives
+    # every larger array back to the system at once and pages it in anew for the next, which costs
+    # more than half of the arithmetic. Other allocators have no ``mallopt`` and no such habit.
+    with suppress(OSError, AttributeError):
+        libc = ctypes.CDLL(None)
+        libc.mallopt(_M_MMAP_THRESHOLD, _KEPT)
+        libc.mallopt(_M_TRIM_THRESHOLD, _KEPT)
     if has_jax() and _XLA_THREADS not in os.environ:
         # By itself JAX takes as many threads as there are processors and cuts each operation into
         # as many parts. But the others have workers of their own, and whole operations cost less.
@@ -124,17 +130,6 @@ def _settle_in() -> None:
             load_jax().devices()
         finally:
             os.environ.pop(_XLA_THREADS, None)
-
-
-def _keep_freed_memory() -> None:
-    """Let a worker's allocator reuse the memory of temporary arrays."""
-    # Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_``. Having any value there, glibc gives
-    # every larger array back to the system at once and pages it in anew for the next, which costs
-    # more than half of the arithmetic. Other allocators have no ``mallopt`` and no such habit.
-    with suppress(OSError, AttributeError):
-        libc = ctypes.CDLL(None)
-        libc.mallopt(_M_MMAP_THRESHOLD, _KEPT)
-        libc.mallopt(_M_TRIM_THRESHOLD, _KEPT)
 
 
 def _remotely(task: AbstractTask, number: int) -> Any:
@@ -232,21 +227,6 @@ def _check_workers(client: Any, address: str) -> None:
         raise ConfigurationError(
             f"--scheduler {address}: has no workers; start some with 'dask worker {address}'"
         ) from None
-    here = versions()
-    for worker, there in _versions_of_workers(client, address).items():
-        if isinstance(there, OSError):
-            continue  # lost since it was asked; another takes its place
-        if isinstance(there, Exception):
-            raise ConfigurationError(f"--scheduler {address}: worker {worker} failed: {there}")
-        if there != here:
-            raise ConfigurationError(
-                f"--scheduler {address}: worker {worker} has {there}, this process has {here}; "
-                "results would differ"
-            )
-
-
-def _versions_of_workers(client: Any, address: str) -> dict[str, Any]:
-    """Versions that each worker reports, or its error."""
     answer: Future[dict[str, Any]] = Future()
 
     def ask() -> None:
@@ -258,9 +238,20 @@ def _versions_of_workers(client: Any, address: str) -> dict[str, Any]:
     # a call that a worker never answers cannot be ended, only left behind
     Thread(target=ask, daemon=True).start()
     try:
-        return answer.result(VERSIONS_WITHIN)
+        found = answer.result(VERSIONS_WITHIN)
     except TimeoutError:
         raise ConfigurationError(
             f"--scheduler {address}: a worker has not reported its versions within "
             f"{VERSIONS_WITHIN:g} s; stop workers that hang or start others"
         ) from None
+    here = versions()
+    for worker, there in found.items():
+        if isinstance(there, OSError):
+            continue  # lost since it was asked; another takes its place
+        if isinstance(there, Exception):
+            raise ConfigurationError(f"--scheduler {address}: worker {worker} failed: {there}")
+        if there != here:
+            raise ConfigurationError(
+                f"--scheduler {address}: worker {worker} has {there}, this process has {here}; "
+                "results would differ"
+            )

@@ -251,8 +251,13 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
     folder = Path(folder)
     description = study.description() | versions()
     try:
-        _require_free(folder)
+        whole = sweep_around(folder)
+        if whole is not None:
+            raise OutputError(f"{folder}: is within the sweep {whole}; choose another folder")
         records = folder / RECORDS
+        is_free = not folder.exists() or (folder.is_dir() and not any(folder.iterdir()))
+        if not (is_free or records.is_dir()):
+            raise OutputError(f"{folder}: already exists and is not a sweep; choose another folder")
         records.mkdir(parents=True, exist_ok=True)
         with filelock.FileLock(records / _LOCK).acquire(timeout=0):
             if not (records / STUDY).is_file():
@@ -283,17 +288,6 @@ def open_store(folder: Path, study: Study, most_in_chunk: int) -> Iterator[Store
             f"{folder}: cannot be written: {error.strerror or error}; complete chunks are kept and "
             "the same command continues"
         ) from None
-
-
-def _require_free(folder: Path) -> None:
-    """Raise unless the folder is a store, perhaps an interrupted one, or empty."""
-    whole = sweep_around(folder)
-    if whole is not None:
-        raise OutputError(f"{folder}: is within the sweep {whole}; choose another folder")
-    if not folder.exists() or (folder / RECORDS).is_dir():
-        return
-    if not folder.is_dir() or any(folder.iterdir()):
-        raise OutputError(f"{folder}: already exists and is not a sweep; choose another folder")
 
 
 def sweep_around(folder: Path) -> Path | None:

@@ -15,7 +15,7 @@ import numpy as np
 from lightflyer.config.flyer_file import FileDesign
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.units import parse, scale_and_offset
-from lightflyer.design.outputs import OUTPUTS, outputs_of
+from lightflyer.design.outputs import OUTPUTS, Output, outputs_of
 from lightflyer.design.setup import Setup
 from lightflyer.environment.base import Coordinate
 from lightflyer.prediction.evaluator import POINTS, Evaluator, Table
@@ -146,19 +146,8 @@ def readings(prediction: Prediction, uncertainty: PredictionUncertainty | None) 
     best = f"{held} {_number(place.coordinate * factor, where.shown_unit)}"
     group = "best" if place is prediction.best else "verdict.best"
     for name in ("payload", "lift_over_weight", "temperature"):
-        output = OUTPUTS[name]
-        json_key, json_scale = output.json
-        value = place.values[name]
-        scale, unit = output.display_unit_for(value)
-        reading = _reading(
-            f"{group}.{json_key}",
-            f"{_SHORT[name]}, {best}",
-            value * json_scale,
-            pretty_unit(unit),
-            spreads,
-            scale / json_scale,
-        )
-        found.append(reading)
+        label = f"{_SHORT[name]}, {best}"
+        found.append(_of_output(OUTPUTS[name], place.values[name], f"{group}.", label, spreads))
     flyer = prediction.setup.flyer
     own = {"own_mass": flyer.own_mass, "areal_density": flyer.own_mass / flyer.area}
     for name, number in own.items():
@@ -213,6 +202,14 @@ def _reading(
     return Reading(name, label, _number(value * scale, unit), finite, shown)
 
 
+def _of_output(
+    output: Output, value: float, group: str, label: str, spreads: Mapping[str, Any]
+) -> Reading:
+    (key, factor), (scale, unit) = output.json, output.display_unit_for(value)
+    unit = pretty_unit(unit)
+    return _reading(f"{group}{key}", label, value * factor, unit, spreads, scale / factor)
+
+
 def _interval(spread: Mapping[str, Any] | None) -> tuple[float, ...]:
     """Ends of a result's 95 % interval, of the samples where there are; empty without one."""
     found = {} if spread is None else spread.get("monte_carlo", spread["first_order"])
@@ -229,15 +226,11 @@ def _number(value: float, unit: str, digits: int = _DIGITS) -> str:
 
 def values_at(setup: Setup, place: float) -> list[Reading]:
     """Outputs at one altitude or pressure."""
-    known, readings = outputs_of(setup), []
-    for name, column in Evaluator(setup)(np.array([place])).items():
-        output, value = known[name], float(column[0])
-        scale, unit = output.display_unit_for(value)
-        json_key, json_scale = output.json
-        finite = value * json_scale if math.isfinite(value) else None
-        shown = _number(value * scale, pretty_unit(unit))
-        readings.append(Reading(json_key, output.long_name, shown, finite))
-    return readings
+    known = outputs_of(setup)
+    return [
+        _of_output(known[name], float(column[0]), "", known[name].long_name, {})
+        for name, column in Evaluator(setup)(np.array([place])).items()
+    ]
 
 
 def pretty_unit(unit: str) -> str:

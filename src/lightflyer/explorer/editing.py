@@ -8,7 +8,7 @@ import math
 import pprint
 import re
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from copy import deepcopy
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -205,38 +205,46 @@ class Download(NamedTuple):
 
 
 def download(what: str, workplace: Workplace, document: Document, choices: Choices) -> Download:
-    """A file with a design or its results; ``choices``: of the figure."""
-    if what in KINDS:
-        return KINDS[what](workplace, document)
+    """A file with a design or its results, by what the page calls it; ``choices``: of a figure."""
+    if what in ("toml", "mission.toml"):
+        if what == "toml":
+            workplace.design(document)
+            name, command, content = "flyer.toml", "predict", _without_mission(document)
+        else:
+            workplace.mission(document)
+            name, command, content = "mission.toml", "fly", document
+        heading = (
+            f"# Written by lightflyer explore {lightflyer.__version__}. "
+            f"The same numbers come from:  lightflyer {command} {name} --out FOLDER\n\n"
+        )
+        return Download(name, "application/toml", (heading + to_toml(content)).encode())
+    if what == "python":
+        workplace.design(document)
+        return Download("explored.py", "text/x-python", python_lines(document).encode())
+    if what == "csv":
+        prediction = prediction_of(workplace.design(document))
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "prediction.csv")
+            write_csv(prediction, path)
+            return Download(path.name, "text/csv", path.read_bytes())
+    if what == "netcdf":
+        design = workplace.design(document)
+        dataset = to_dataset(prediction_of(design), design.text)
+        uncertainty = uncertainty_of(design)
+        if uncertainty is not None:
+            uncertainty.add_to_dataset(dataset)
+        netcdf = bytes(dataset.to_netcdf(engine="h5netcdf"))
+        return Download("prediction.nc", "application/x-netcdf", netcdf)
     from lightflyer.explorer.figures import figure_bytes
 
-    name, _, ending = what.rpartition(".")
-    content = figure_bytes(name, ending, workplace, document, choices)
+    figure, _, ending = what.rpartition(".")
     kind = "image/svg+xml" if ending == "svg" else "image/png"
-    return Download(f"lightflyer-{what}", kind, content)
+    drawn = figure_bytes(figure, ending, workplace, document, choices)
+    return Download(f"lightflyer-{what}", kind, drawn)
 
 
 def _without_mission(document: Document) -> Document:
     return {name: part for name, part in document.items() if name != MISSION}
-
-
-def _heading(command: str) -> str:
-    return (
-        f"# Written by lightflyer explore {lightflyer.__version__}. "
-        f"The same numbers come from:  lightflyer {command}\n\n"
-    )
-
-
-def _toml(workplace: Workplace, document: Document) -> Download:
-    workplace.design(document)
-    text = _heading("predict flyer.toml --out FOLDER") + to_toml(_without_mission(document))
-    return Download("flyer.toml", "application/toml", text.encode())
-
-
-def _mission_toml(workplace: Workplace, document: Document) -> Download:
-    workplace.mission(document)
-    text = _heading("fly mission.toml --out FOLDER") + to_toml(document)
-    return Download("mission.toml", "application/toml", text.encode())
 
 
 def python_lines(document: Document) -> str:
@@ -257,36 +265,3 @@ def python_lines(document: Document) -> str:
             'print(flown.attrs["end"])\n'
         )
     return lines
-
-
-def _python(workplace: Workplace, document: Document) -> Download:
-    workplace.design(document)
-    return Download("explored.py", "text/x-python", python_lines(document).encode())
-
-
-def _csv(workplace: Workplace, document: Document) -> Download:
-    prediction = prediction_of(workplace.design(document))
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "prediction.csv")
-        write_csv(prediction, path)
-        return Download("prediction.csv", "text/csv", path.read_bytes())
-
-
-def _netcdf(workplace: Workplace, document: Document) -> Download:
-    design = workplace.design(document)
-    dataset = to_dataset(prediction_of(design), design.text)
-    uncertainty = uncertainty_of(design)
-    if uncertainty is not None:
-        uncertainty.add_to_dataset(dataset)
-    content = bytes(dataset.to_netcdf(engine="h5netcdf"))
-    return Download("prediction.nc", "application/x-netcdf", content)
-
-
-KINDS: dict[str, Callable[[Workplace, Document], Download]] = {
-    "toml": _toml,
-    "mission.toml": _mission_toml,
-    "python": _python,
-    "csv": _csv,
-    "netcdf": _netcdf,
-}
-"""Files by what the page calls them."""

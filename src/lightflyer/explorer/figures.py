@@ -49,15 +49,6 @@ def _predict(panel: str) -> Drawing:
     return draw
 
 
-def _film(workplace: Workplace, document: Document, _: Choices) -> "Figure":
-    return jobs.film_summary(workplace.design(document))[1].plot()
-
-
-def _models(workplace: Workplace, document: Document, _: Choices) -> "Figure":
-    designs, _left_out = jobs.designs_by_model(workplace, document)
-    return compare(designs, samples=0).plot()
-
-
 def _mission(name: str) -> Drawing:
     def draw(workplace: Workplace, document: Document, _: Choices) -> "Figure":
         from lightflyer.mission.report.figures import mission_figures
@@ -108,8 +99,10 @@ DRAWINGS: dict[str, Drawing] = {
     "temperature": _predict("temperature"),
     "payload": _predict("payload"),
     "map": _map,
-    "models": _models,
-    "film": _film,
+    "models": lambda workplace, document, _: compare(
+        jobs.designs_by_model(workplace, document)[0], samples=0
+    ).plot(),
+    "film": lambda workplace, document, _: jobs.film_summary(workplace.design(document))[1].plot(),
     "sensitivity": _sensitivity,
     "mission": _mission("altitude"),
     "track": _mission("ground_track"),

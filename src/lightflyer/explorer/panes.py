@@ -4,6 +4,7 @@ Every figure, source and axis has a name, by which the page finds it. Colours ar
 figures of the package; the page sets those of text, grid and background, light or dark.
 """
 
+from functools import cache
 from typing import Any, Literal
 
 from bokeh.embed import json_item
@@ -44,6 +45,7 @@ _PINNED = "pins"
 _WAVELENGTHS = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # labelled [µm]
 
 
+@cache
 def panes(*, logarithmic: bool) -> dict[str, Any]:
     """All figures, for surroundings of a kind."""
     along = LOGARITHMIC if logarithmic else LINEAR

@@ -21,7 +21,6 @@ from collections import Counter
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -222,15 +221,9 @@ class _Missing(_Handler):
         raise tornado.web.HTTPError(404)
 
 
-@cache
-def _panes_text(logarithmic: bool) -> str:
-    return json.dumps(panes(logarithmic=logarithmic))
-
-
 class _Panes(_Handler):
     def get(self, kind: str) -> None:
-        self.set_header("Content-Type", "application/json; charset=utf-8")
-        self.finish(_panes_text(kind == "logarithmic"))
+        self.say(panes(logarithmic=kind == "logarithmic"))
 
 
 class _Grammar(_Handler):

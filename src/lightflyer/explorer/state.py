@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import Any, NamedTuple
+from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 from lightflyer.config.flyer_file import PARTS, FileDesign, section_at
@@ -54,13 +54,6 @@ class View:
     pins: tuple[Document, ...] = ()  # Documents pinned beside it
 
 
-class _Described(NamedTuple):
-    """A design, and the warnings that came up when it was read."""
-
-    design: FileDesign
-    diagnostics: tuple[str, ...]
-
-
 @dataclass(frozen=True)
 class Workplace:
     """Where documents are read: the folder whose files they may name."""
@@ -86,28 +79,28 @@ class Workplace:
 
     def design(self, document: Document) -> FileDesign:
         """What a document describes, without its mission."""
-        return self._read_design(document).design
+        return self._described(document)[0]
 
     def diagnostics(self, document: Document) -> tuple[str, ...]:
         """Warnings about the numbers of a document, such as a TAC above one."""
-        return self._read_design(document).diagnostics
+        return self._described(document)[1]
 
-    def _read_design(self, document: Document) -> "_Described":
+    def _described(self, document: Document) -> tuple[FileDesign, tuple[str, ...]]:
+        """A design, and the warnings that came up when it was read."""
         content = {name: entry for name, entry in document.items() if name != MISSION}
-        found: _Described = self._designs(self._confined_toml(content))
-        return found
+        return self._designs(self._confined_toml(content))
 
     def mission(self, document: Document) -> MissionFile:
         return self._missions(self._confined_toml(document))
 
     @cached_property
-    def _designs(self) -> Any:
-        def described(text: str) -> _Described:
+    def _designs(self) -> Callable[[str], tuple[FileDesign, tuple[str, ...]]]:
+        def described(text: str) -> tuple[FileDesign, tuple[str, ...]]:
             before, _HERE.gathered = getattr(_HERE, "gathered", None), []
             try:
                 design = self._read(design_of_text, text)
                 design.setup  # noqa: B018  # built here, where its warnings are gathered
-                return _Described(design, tuple(_HERE.gathered))
+                return design, tuple(_HERE.gathered)
             finally:
                 _HERE.gathered = before
 

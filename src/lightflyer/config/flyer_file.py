@@ -272,9 +272,9 @@ class FileDesign(AbstractDesign):
 
     def data_bounds(self) -> dict[str, tuple[Any, Any]]:
         """Bounds of films whose optical data are incomplete."""
-        found = {}
+        found, incidence = {}, float(self.file.environment.light_incidence)
         for name, film in self.file.films().items():
-            for what, (lower, upper) in film.bounds(self._incidence, passing=self._passing).items():
+            for what, (lower, upper) in film.bounds(incidence, passing=self._passing).items():
                 ends = {**self._own_films, name: lower}, {**self._own_films, name: upper}
                 found[f"{name}.{what}"] = ends
         return found
@@ -299,10 +299,6 @@ class FileDesign(AbstractDesign):
     @property
     def _passing(self) -> bool:
         return self.file.flyer.needs_transmittance
-
-    @property
-    def _incidence(self) -> float:
-        return float(self.file.environment.light_incidence)
 
     def needs_recompute(self, names: list[str]) -> list[str]:
         """Whether a field changes the optics of layers."""

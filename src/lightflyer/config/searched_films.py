@@ -1,7 +1,7 @@
 """Films of a flyer file that a search changes: their thicknesses, or their stack of materials."""
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -184,7 +184,21 @@ class Stacks(AbstractStacks):
         names = [one.layer.label for one in self.candidates]
         if repeated := [name for name in names if names.count(name) > 1]:
             raise ConfigurationError(f"has {repeated[0]} twice")
-        self.sequences = tuple(self._sequences())
+        numbers = range(len(self.candidates))
+        total = sum(len(numbers) ** count for count in range(1, self.most + 1))
+        if total > _MOST * len(numbers):
+            raise ConfigurationError(
+                f"{len(numbers)} materials in up to {self.most} layers are too many stacks; take "
+                "fewer of either"
+            )
+        self.sequences = tuple(
+            sequence
+            for count in range(1, self.most + 1)
+            for sequence in itertools.product(numbers, repeat=count)
+            if sum(self.candidates[number].carrier for number in sequence) == 1
+            and not any(one == other for one, other in itertools.pairwise(sequence))
+            and None not in self._tacs(sequence)
+        )
         if not self.sequences:
             raise ConfigurationError(
                 f"allows no stack of at most {self.most} layers whose both faces have a known TAC; "
@@ -203,21 +217,6 @@ class Stacks(AbstractStacks):
         if inside and None in stated.values():
             notes.append(f"no TAC is known of {', '.join(inside)}: inside of stacks only")
         self.notes = tuple(notes)
-
-    def _sequences(self) -> Iterator[tuple[int, ...]]:
-        numbers = range(len(self.candidates))
-        total = sum(len(numbers) ** count for count in range(1, self.most + 1))
-        if total > _MOST * len(numbers):
-            raise ConfigurationError(
-                f"{len(numbers)} materials in up to {self.most} layers are too many stacks; take "
-                "fewer of either"
-            )
-        for count in range(1, self.most + 1):
-            for sequence in itertools.product(numbers, repeat=count):
-                carriers = sum(self.candidates[number].carrier for number in sequence)
-                alike = any(one == other for one, other in itertools.pairwise(sequence))
-                if carriers == 1 and not alike and None not in self._tacs(sequence):
-                    yield sequence
 
     def _tacs(self, sequence: Sequence[int]) -> list[float | None]:
         """TAC of the top and the bottom face, None where it is not known."""

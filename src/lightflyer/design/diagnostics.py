@@ -106,7 +106,12 @@ def diagnose_designs(
 ) -> list[tuple[str, ...]]:
     """The same with several values of the same numbers; their bands are found at once."""
     setups = [design.build(values) for values in several]
-    whole, name = _together(setups), design.coordinate_name
+
+    def joined(first: Numeric, *rest: Numeric) -> Numeric:
+        return np.array([first, *rest]) if any(np.any(one != first) for one in rest) else first
+
+    # as one, with arrays where they differ; a table that they share stays whole
+    whole, name = tree.map_leaves(joined, *setups), design.coordinate_name
     if name in several[0]:
         places = np.array([[values[name] for values in several]])
     else:
@@ -124,15 +129,6 @@ def diagnose_designs(
             several, setups, flies, places.T, np.broadcast_to(found, places.shape).T, strict=True
         )
     ]
-
-
-def _together(setups: Sequence[Setup]) -> Setup:
-    """Setups as one, with arrays where they differ; a table that they share stays whole."""
-
-    def joined(first: Numeric, *rest: Numeric) -> Numeric:
-        return np.array([first, *rest]) if any(np.any(one != first) for one in rest) else first
-
-    return tree.map_leaves(joined, *setups)
 
 
 def shape_failures(setup: Setup, table: Mapping[str, Any]) -> dict[str, str]:

@@ -147,8 +147,16 @@ def _blocks(results: Results) -> list[_Block]:
         _kinetic_table(results),
     ]
     blocks += [_Block("h2", "Check values"), _Block("p", _CHECK_TEXT)]
+    header = tuple(title for title, _ in _CHECK_FORMATS.values())
     for column in COLUMNS:
-        blocks += [_Block("p", f"Column “{column.title}”:"), _check_table(column.key, results)]
+        rows = [
+            tuple(format(row[name], style) for name, (_, style) in _CHECK_FORMATS.items())
+            for row in results.checks[column.key]
+        ]
+        blocks += [
+            _Block("p", f"Column “{column.title}”:"),
+            _Block("table", rows=(header, *rows)),
+        ]
     blocks += _table_blocks()
     blocks += [_Block("h2", "Figures")]
     for name, (title, _) in FIGURES.items():
@@ -232,15 +240,6 @@ def _claim_blocks(claim: Claim, results: Results) -> list[_Block]:
         rows.append(tuple(row))
     table = _Block("table", rows=(tuple(header), *rows))
     return [_Block("h3", f"Claim {claim.number}: {claim.text}"), table]
-
-
-def _check_table(key: str, results: Results) -> _Block:
-    header = tuple(title for title, _ in _CHECK_FORMATS.values())
-    rows = [
-        tuple(format(row[name], style) for name, (_, style) in _CHECK_FORMATS.items())
-        for row in results.checks[key]
-    ]
-    return _Block("table", rows=(header, *rows))
 
 
 def _table_blocks() -> list[_Block]:

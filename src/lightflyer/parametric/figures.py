@@ -58,21 +58,14 @@ _OR_TOO_HOT = ", or its film is too hot"
 _ROWS = 12
 
 
-def _is_logarithmic(values: np.ndarray) -> bool:
-    """Whether values are spaced evenly in their logarithm, over a good span."""
-    low = float(np.min(values))
-    if values.size < 3 or low <= 0.0 or float(np.max(values)) < _LOGARITHMIC * low:
-        return False
-    steps = np.diff(np.log(values))
-    return bool(np.allclose(steps, steps[0], rtol=1e-3))
-
-
 def _axis(ax: Axes, side: str, array: "xr.DataArray") -> np.ndarray:
     """Label one axis; returns the coordinate in the unit shown."""
     factor, label = scale_and_label(array)
     values = factor * np.asarray(array.values, float)
     getattr(ax, f"set_{side}label")(wrap_label(label))
-    if _is_logarithmic(values):
+    low = float(np.min(values))
+    steps = np.diff(np.log(values)) if low > 0.0 and values.size > 2 else np.array([np.nan])
+    if np.max(values) >= _LOGARITHMIC * low and np.allclose(steps, steps[0], rtol=1e-3):
         getattr(ax, f"set_{side}scale")("log")
         plain_decades(getattr(ax, f"{side}axis"))
     return values

@@ -340,7 +340,10 @@ def _points_tables(prediction: "Prediction", width: int) -> Iterator[Table]:
             table = _points_table(prediction, {name: _COLUMNS[name] for name in first})
     yield table
     rest = [name for name in names if name not in first]
-    headings = {name: nodes.get(name, (_own_heading(prediction, name), ".4g")) for name in rest}
+    headings = dict(nodes)
+    for name, output in outputs_of(prediction.setup).items():
+        words = name.replace("_", " ")
+        headings.setdefault(name, (f"{words}\n[{{}}]" if output.shown[1] else words, ".4g"))
     for start in range(0, len(rest), _OWN):
         part = rest[start : start + _OWN]
         yield _points_table(prediction, {name: headings[name] for name in part})
@@ -369,11 +372,6 @@ def _too_hot(prediction: "Prediction") -> np.ndarray:
 def _extrapolated(prediction: "Prediction") -> np.ndarray:
     """Where, of the coordinates asked for, force model or gas are outside their ranges."""
     return np.asarray(prediction.at["covered"] < 1.0)
-
-
-def _own_heading(prediction: "Prediction", name: str) -> str:
-    words, known = name.replace("_", " "), outputs_of(prediction.setup)[name]
-    return f"{words}\n[{{}}]" if known.shown[1] else words
 
 
 def _points_table(

@@ -109,7 +109,23 @@ def levitate(
 @elementwise_entry_point
 def _levitate(equations: FlightEquations) -> Levitation:
     if equations.has_one_unknown and not equations.lifts_unheated:
-        found = _by_temperature(equations)
+        # one node: the temperature that carries the load, then the irradiance that holds it
+        def force(excess: Array) -> Array:
+            return equations.upward_force((excess,))
+
+        state, load = equations.state, equations.weight
+        hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
+        strongest = force(hottest)
+        excess, reaches, outcome = reach(force, hottest, strongest, load)
+        irradiance, collects = equations.irradiance_for(total(equations.losses((excess,))))
+        found = LiftOff(
+            levitates=reaches & collects,
+            irradiance=irradiance,
+            temperature=state.temperature * (1.0 + excess),
+            residual=force(excess) / load - 1.0,
+            status=outcome.status,
+            strongest=strongest,
+        )
     else:
         found = find_by_irradiance(equations)
     # the answer, without what belongs to stand-ins
@@ -124,25 +140,4 @@ def _levitate(equations: FlightEquations) -> Levitation:
         levitates=levitates,
         residual=residual,
         status=xp.where(unknown, int(SolverStatus.NOT_FINITE), status),
-    )
-
-
-def _by_temperature(equations: FlightEquations) -> LiftOff:
-    """One node: the temperature that carries the load, then the irradiance that holds it."""
-
-    def force(excess: Array) -> Array:
-        return equations.upward_force((excess,))
-
-    state, load = equations.state, equations.weight
-    hottest = HIGHEST_TEMPERATURE / state.temperature - 1.0
-    strongest = force(hottest)
-    excess, reaches, outcome = reach(force, hottest, strongest, load)
-    irradiance, collects = equations.irradiance_for(total(equations.losses((excess,))))
-    return LiftOff(
-        levitates=reaches & collects,
-        irradiance=irradiance,
-        temperature=state.temperature * (1.0 + excess),
-        residual=force(excess) / load - 1.0,
-        status=outcome.status,
-        strongest=strongest,
     )

@@ -82,17 +82,16 @@ def tabulate_samples(
         found[:, some] = [np.broadcast_to(table[name], filled.shape) for name in names]
         found[:, ~asked] = np.nan
     else:
-        rows = tree.map_leaves(lambda leaf: _place_in_row(leaf, asked), setup)
+        # a number of each sample, (samples, 1), for each of its coordinates that are asked
+        def in_row(leaf: Any) -> Any:
+            own = np.shape(leaf) in ((len(asked), 1), asked.shape)  # and no table of an atmosphere
+            return np.broadcast_to(leaf, asked.shape)[asked] if own else leaf
+
+        rows = tree.map_leaves(in_row, setup)
         light = setup.environment.radiation.irradiance
         table = table_of(rows, places[asked], np.broadcast_to(light, shape)[asked], names)
         found[:, asked] = [table[name] for name in names]
     return dict(zip(names, found, strict=True))
-
-
-def _place_in_row(leaf: Any, asked: np.ndarray) -> Any:
-    """A number of each sample, shape (samples, 1), for each of its coordinates that are asked."""
-    own = np.shape(leaf) in ((len(asked), 1), asked.shape)  # and no table of an atmosphere
-    return np.broadcast_to(leaf, asked.shape)[asked] if own else leaf
 
 
 def _strongest_light(

@@ -98,12 +98,9 @@ def update_flyer_file(
             _make_room(table, key)
         text = measured_text(estimate, digits)
         exact = estimate.uncertainty is None and not estimate.unit
-        _put(
-            table,
-            key,
-            float(text) if exact else text,
-            f"measured: {origin}, {datetime.date.today().isoformat()}",
-        )
+        kept = _own_comment(table[key]) if key in table else ""
+        table[key] = float(text) if exact else text
+        _comment(table[key], kept, f"measured: {origin}, {datetime.date.today().isoformat()}")
         written.append(f"{section}.{key} = {text}" if exact else f'{section}.{key} = "{text}"')
     replace_file(
         path, tomlkit.dumps(document), () if insist else [".".join(name) for name in values]
@@ -139,8 +136,7 @@ def write_design(
         text = rewrite(str(before), value, unit)
         table[key] = text if unit or (isinstance(before, str) and before) else float(text)
         if not _in_line(table):
-            table[key].comment("; ".join(filter(None, (kept, f"optimised: {origin}"))))
-            table[key].trivia.comment_ws = "  "
+            _comment(table[key], kept, f"optimised: {origin}")
     replace_file(path, f"{_WRITTEN} {origin}\n{tomlkit.dumps(document)}")
 
 
@@ -187,20 +183,17 @@ def _make_room(film: Any, key: str) -> None:
 def _add(table: Any, key: str, value: Any, comment: str) -> None:
     table.add(key, value)
     if comment:
-        table[key].comment(comment)
-        table[key].trivia.comment_ws = "  "
+        _comment(table[key], comment)
+
+
+def _comment(item: Any, *words: str) -> None:
+    item.comment("; ".join(filter(None, words)))
+    item.trivia.comment_ws = "  "
 
 
 def _own_comment(item: Any) -> str:
     """The comment after a value, without an earlier origin."""
     return str(_ORIGIN.sub("", item.trivia.comment).lstrip("# ").rstrip())
-
-
-def _put(table: Any, key: str, text: str | float, origin: str) -> None:
-    kept = _own_comment(table[key]) if key in table else ""
-    table[key] = text
-    table[key].comment(f"{kept}; {origin}" if kept else origin)
-    table[key].trivia.comment_ws = "  "
 
 
 def replace_file(path: Path, text: str, measured: Collection[str] = ()) -> None:

@@ -62,9 +62,8 @@ def pass_on(step: Step) -> None:
         listener(step)
 
 
-def bands(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+def bands(workplace: Workplace, document: Document, _: Choices) -> dict[str, Any]:
     """95 % bands of the curves and of the results."""
-    del choices
     design = workplace.design(document)
     report("propagating the ±")
     uncertainty = uncertainty_of(design)
@@ -109,9 +108,8 @@ def designs_by_model(
     return designs, left_out
 
 
-def force_models(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+def force_models(workplace: Workplace, document: Document, _: Choices) -> dict[str, Any]:
     """The least irradiance by all force models that are for the flyer."""
-    del choices
     designs, left_out = designs_by_model(workplace, document)
     report("comparing")
     found = side_by_side({name: prediction_of(design) for name, design in designs.items()})
@@ -163,9 +161,8 @@ def film_summary(design: FileDesign) -> tuple[str, FilmSummary]:
     )
 
 
-def film_spectrum(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+def film_spectrum(workplace: Workplace, document: Document, _: Choices) -> dict[str, Any]:
     """Reflectance, transmittance and absorptance of a film of layers over wavelength."""
-    del choices
     name, summary = film_summary(workplace.design(document))
     optics, micrometres = summary.optics, summary.wavelength / _MICROMETRE
     ends = float(micrometres[0]), float(micrometres[-1])
@@ -282,9 +279,8 @@ def flown(workplace: Workplace, document: Document) -> tuple[FileDesign, Any]:
     return flight.design, fly(flight.design, mission=flight.mission)
 
 
-def mission(workplace: Workplace, document: Document, choices: Choices) -> dict[str, Any]:
+def mission(workplace: Workplace, document: Document, _: Choices) -> dict[str, Any]:
     """Altitude over time with day and night, and the way over the ground, by ``lf.fly``."""
-    del choices
     design, dataset = flown(workplace, document)
     hours = dataset.elapsed.values / _HOUR
     altitude = dataset.altitude.values / _KILOMETRE

@@ -430,7 +430,10 @@ def test_first_order_is_that_of_exact_derivatives(kind):
     places = {"pressure": [1.0, 30.0]}.get(setup.environment.coordinate.name, [70e3, 80e3])
     if kind == "mars":
         places = [50e3, 60e3]
-    names = ("lift", "temperature", "levitation_irradiance", "payload")
+    # the light of levitation takes as long to compile as all else
+    names = ("lift", "temperature", "payload")
+    if kind in ("mars", "sandwich", 0, 1):
+        names += ("levitation_irradiance",)
 
     def outputs(values, coordinate):
         moved = inputs.build(values)

@@ -56,10 +56,10 @@ def compared(tmp_path_factory):
 @pytest.mark.parametrize("kind", KINDS)
 def test_templates(kind, prints, tmp_path, compared):
     path, told = compared[0][kind], compared[1][kind]
-    prediction, design = lf.predict(path, samples=0), as_design(path)
+    prediction = prediction_of(as_design(path))
     verdict, summary = prediction.verdict, prediction.summary()
     assert told == summary["verdict"]
-    shown = {one.name: one for one in readings(prediction_of(design), None)}
+    shown = {one.name: one for one in readings(prediction, None)}
     if verdict.rest is not None:
         assert shown["verdict.rest.temperature_k"].value == verdict.rest.values["temperature"]
     best = verdict.best or prediction.best

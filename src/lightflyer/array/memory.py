@@ -11,7 +11,7 @@ from lightflyer.array.tree import leaves
 P = ParamSpec("P")
 R = TypeVar("R")
 
-_MOST = 32  # results of a function that are kept, those used last
+_MOST = 32  # results of a function that are kept, the latest
 
 
 def kept(function: Callable[P, R]) -> Callable[P, R]:
@@ -27,11 +27,13 @@ def kept(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args)  # type: ignore[call-arg]
         memory = call.memory.setdefault(wrapper, {})
         key = tuple(map(id, args))
-        # with the arguments, so that no other object gets their identities
-        found = memory.pop(key, None) or (args, function(*args))  # type: ignore[call-arg]
-        if len(memory) >= _MOST:
-            del memory[next(iter(memory))]
-        memory[key] = found
+        found = memory.get(key)
+        if found is None:
+            # with the arguments, so that no other object gets their identities
+            found = args, function(*args)  # type: ignore[call-arg]
+            if len(memory) >= _MOST:
+                del memory[next(iter(memory))]
+            memory[key] = found
         return found[1]
 
     return wrapper  # type: ignore[return-value]

@@ -60,6 +60,10 @@ def __getattr__(name):  # type: ignore[no-untyped-def]
             raise AttributeError(name)  # or help() prints all that every class and function has
         return _names
     if name not in _names and not name.startswith("_"):
+        import importlib.util
+
+        if importlib.util.find_spec(f"{__name__}.{name}"):
+            raise AttributeError(name)  # of ``from lightflyer import cli``: Python imports it
         for room in _names:
             if room.islower() and name in getattr(_find(room), "__all__", ()):
                 raise AttributeError(f"lightflyer has no {name}; it is lightflyer.{room}.{name}")

@@ -59,7 +59,7 @@ def test_commands_answer_and_write_without_jax(prints, tmp_path, monkeypatch):
 def test_importing_the_package_is_quick():
     """No library is loaded before it is used."""
     code = (
-        "import sys, lightflyer\n"
+        "import sys, lightflyer\nfrom lightflyer import cli\n"
         "print(*{name.split('.')[0] for name in sys.modules}"
         " & {'jax', 'numpy', 'scipy', 'pandas', 'pint', 'xarray'})"
     )

@@ -110,7 +110,9 @@ def cauchy():
 def test_layer_on_a_substrate_computed_by_tmm(cauchy):
     for name, truth in (("thickness", 400e-9), ("a", 1.6), ("b", 0.01e-12)):
         found = cauchy.numbers[name]
-        assert found.interval[0] <= truth <= found.interval[1]
+        low, high = found.interval
+        assert low <= truth <= high
+        assert found.uncertainty == pytest.approx(0.5 * (high - low) / 1.96, rel=1e-4)
     assert cauchy.numbers["thickness"].value == pytest.approx(400e-9, rel=0.01)
     assert cauchy.numbers["a"].value == pytest.approx(1.6, abs=0.02)
     assert not cauchy.predictions  # a film on a substrate is no flyer

@@ -1,5 +1,6 @@
 """``lightflyer materials``: the library of materials for layers, and the pages to search."""
 
+import itertools
 import re
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -47,10 +48,9 @@ def materials_command(
         found = search_pages(search)
         pages = sorted(found, key=lambda page: not _ELEMENT.fullmatch(page.formula.split()[0]))
         words, told = set(search.lower().split()), ("name", "description", "source")
-        for entry in [*described]:
-            text = " ".join([*(entry[key] for key in told), *entry["other_names"]]).lower()
-            if not words <= set(text.replace(",", " ").replace("/", " ").split()):
-                described.remove(entry)
+        texts = (" ".join([*(one[key] for key in told), *one["other_names"]]) for one in described)
+        found_in = [words <= set(re.split(r"[\s,/]+", text.lower())) for text in texts]
+        described = [*itertools.compress(described, found_in)]
     if json_output:
         listed = {} if search is None else {"pages": [_page(page) for page in pages]}
         print_json({"materials": described} | listed)

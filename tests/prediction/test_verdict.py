@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.array import tree
-from lightflyer.array.namespace import float64
+from lightflyer.array.namespace import float64, within
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.designs import as_design
 from lightflyer.design.tables import evaluate
@@ -122,18 +122,8 @@ SWEPT = ("rest_temperature", "usable_lowest_altitude", "usable_highest_altitude"
          "longest_night", "afloat_payload", "afloat_temperature")  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def swept(compiled):
-    """Results of sweeps, compiled once for each kind of surroundings."""
-    return (
-        compiled(lambda setup: evaluate(setup, SWEPT)),
-        compiled(lambda setup, places: evaluate(setup, ("usable",), places)),
-    )
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["earth", "laden", "mars"])
-def test_sweeps_have_the_verdict(kind, tmp_path, swept):
+def test_sweeps_have_the_verdict(kind, tmp_path):
     """The search with derivatives finds what the search of predictions finds."""
     setup = setup_of(kind, tmp_path)
     prediction = lf.predict(setup)
@@ -142,13 +132,14 @@ def test_sweeps_have_the_verdict(kind, tmp_path, swept):
         verdict.rest.values["temperature"], *verdict.usable[0], verdict.best.values["payload"],
         verdict.longest_night, best["payload"], best["temperature"],
     )  # fmt: skip
-    whole, at_places = swept
-    found, converged = whole(setup)
+    with within():
+        found, converged = evaluate(setup, SWEPT)
     assert converged
     for name, value in zip(SWEPT, expected, strict=True):
         assert float(found[name]) == pytest.approx(value, rel=1e-6), name
     places = np.array([0.5, 0.999, 1.001, 1.5]) * verdict.usable[0][1]
-    here, _ = at_places(setup, places)
+    with within():
+        here, _ = evaluate(setup, ("usable",), places)
     inside = (places > verdict.usable[0][0]) & (places < verdict.usable[0][1])
     assert here["usable"].tolist() == inside.tolist()
 
@@ -174,26 +165,24 @@ def test_the_longest_night_is_that_of_a_descent(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_verdict_of_sweeps_has_derivatives(tmp_path, compiled):
-    """By central differences of predictions, of a model that compiles soon."""
+def test_the_verdict_of_sweeps_is_that_of_jax_and_has_derivatives(tmp_path, compiled):
+    """By central differences, of a model that compiles soon."""
     setup = dataclasses.replace(setup_of("earth", tmp_path), model=lf.FreeMolecular())
 
-    def with_absorptance(absorptance):
-        film = dataclasses.replace(setup.flyer.film, absorptance=absorptance)
-        return dataclasses.replace(setup, flyer=dataclasses.replace(setup.flyer, film=film))
-
     def outputs(absorptance):
-        found, _ = evaluate(with_absorptance(absorptance), ("usable_payload", "rest_temperature"))
-        return found["usable_payload"] * 1e6, found["rest_temperature"]
+        film = dataclasses.replace(setup.flyer.film, absorptance=absorptance)
+        disk = dataclasses.replace(setup.flyer, film=film)
+        return evaluate(dataclasses.replace(setup, flyer=disk), SWEPT)[0]
 
-    with float64():
-        slopes = compiled(jax.jacfwd(outputs))(0.75)
     step = 1e-3
-    ends = [lf.predict(with_absorptance(0.75 + sign * step)).verdict for sign in (1.0, -1.0)]
-    payload = [1e6 * end.best.values["payload"] for end in ends]
-    hot = [end.rest.values["temperature"] for end in ends]
-    assert float(slopes[0]) == pytest.approx((payload[0] - payload[1]) / (2.0 * step), rel=1e-3)
-    assert float(slopes[1]) == pytest.approx((hot[0] - hot[1]) / (2.0 * step), rel=1e-3)
+    with within():
+        above, here, below = (outputs(0.75 + change) for change in (step, 0.0, -step))
+    with float64():
+        values, slopes = compiled(lambda x: jax.jvp(outputs, (x,), (1.0,)))(0.75)
+    for name in SWEPT:
+        assert values[name] == pytest.approx(here[name], rel=1e-10), name
+        slope = (above[name] - below[name]) / (2.0 * step)
+        assert slopes[name] == pytest.approx(slope, rel=1e-3), name
 
 
 def test_a_film_that_no_light_spares(tmp_path):
@@ -255,7 +244,6 @@ def test_a_range_that_ends_within_the_band_is_open(tmp_path):
     assert "from below 50.0 km to above 60.0 km" in str(cut)
 
 
-@pytest.mark.slow
 def test_random_designs_have_a_possible_verdict(rng):
     environments = [lf.lu2023_earth(), lf.Mars(), lf.Chamber()]
     limits = set()

@@ -325,8 +325,11 @@ class _Numpy:
             recorded = getattr(self, f"_{name}", None)
 
         def function(*args: Any, **options: Any) -> Any:
-            leaves = tree.leaves((args, options))
-            if own is not None and not any(isinstance(leaf, Recorded) for leaf in leaves):
+            # most arguments are numbers, in no list
+            known = not any(isinstance(one, Recorded) for one in args) and not any(
+                isinstance(leaf, Recorded) for leaf in tree.leaves((args, options))
+            )
+            if own is not None and known:
                 with np.errstate(all="ignore"):
                     found = own(*args, **options)
                 return found.view(Table) if isinstance(found, np.ndarray) else found
@@ -338,12 +341,16 @@ class _Numpy:
         return function
 
     def _each(self, function: Callable[..., Node], *arrays: Any) -> Recorded:
-        parts = np.broadcast_arrays(*map(self._of.nodes, arrays))
+        parts = [*map(self._of.nodes, arrays)]
+        if not any(part.ndim for part in parts):  # most are numbers
+            return Recorded(self._of, function(*(part.item() for part in parts)))
+        parts = np.broadcast_arrays(*parts)
         return Recorded(self._of, _filled(parts[0].shape, map(function, *(x.flat for x in parts))))
 
     def _apply(self, name: str, *arrays: Any) -> Recorded:
-        kinds = {node.kind for array in arrays for node in self._of.nodes(array).flat}
-        if name in ("and", "or", "xor", "not") and kinds != {"b"}:
+        if name in ("and", "or", "xor", "not") and any(
+            node.kind != "b" for array in arrays for node in self._of.nodes(array).flat
+        ):
             raise UnsupportedError(f'"{name}" of bits, in place of truth values,')
         return self._each(partial(self._of.graph.apply, name), *arrays)
 

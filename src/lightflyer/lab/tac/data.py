@@ -101,25 +101,23 @@ class TacAccuracy(ShortRepr):
         units = {"gauge_zero": "_pa", "temperature": "_k", "diameter": "_m"}
         return {f"{name}{units.get(name, '')}": value for name, value in asdict(self).items()}
 
-    def errors(self, difference: np.ndarray, diameter: float) -> "CommonErrors":
-        r"""What one standard error of each does to the rows; ``difference`` (m,)."""
+    def errors(
+        self, pressure: np.ndarray, difference: np.ndarray, diameter: float
+    ) -> dict[str, np.ndarray]:
+        """What one standard error of each does to the rows, as a heater's problem has it."""
         wider, same, none = self.diameter / diameter, np.ones_like(difference), 0.0 * difference
         late = np.linspace(-0.5, 0.5, difference.size)
         effects = {
-            "gauge": (self.gauge, 0.0, none, none),
-            "gauge_zero": (0.0, self.gauge_zero, none, none),
-            "power": (0.0, 0.0, none, self.power * same),
-            "temperature": (0.0, 0.0, none, self.temperature / difference),
+            "gauge": (self.gauge * same, none, none, none),
+            "gauge_zero": (none, self.gauge_zero / pressure, none, none),
+            "power": (none, none, none, self.power * same),
+            "temperature": (none, none, none, self.temperature / difference),
             # an area grows with the square; the plateau per area falls with the diameter
-            "diameter": (0.0, 0.0, -wider * same, 2.0 * wider * same),
-            "plateau": (0.0, 0.0, self.plateau * same, none),
-            DRIFT: (0.0, 0.0, self.plateau_drift * late, none),
+            "diameter": (none, none, -wider * same, 2.0 * wider * same),
+            "plateau": (none, none, self.plateau * same, none),
+            DRIFT: (none, none, self.plateau_drift * late, none),
         }
-        names = tuple(name for name in effects if getattr(self, name))
-        if not names:
-            return CommonErrors.none(difference.size)
-        columns = zip(*(effects[name] for name in names), strict=True)
-        return CommonErrors(names, *(np.array(column, float) for column in columns))
+        return {name: np.array(one) for name, one in effects.items() if getattr(self, name)}
 
 
 def unstated_accuracies(stated: Iterable[str]) -> list[str]:
@@ -135,25 +133,6 @@ def unstated_accuracies(stated: Iterable[str]) -> list[str]:
 
 EXACT = TacAccuracy(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 """Instruments without error: intervals of the scatter alone."""
-
-
-@dataclass(frozen=True)
-class CommonErrors:
-    """Effects of errors that all rows have in common, a row per error of one standard error."""
-
-    names: tuple[str, ...]
-    log_pressure: np.ndarray  # shape (k,); change of the logarithm of the pressure [1]
-    zero: np.ndarray  # shape (k,); change of the pressure [Pa]
-    # shape (k, m); change of the logarithm of the continuum conductance [1]
-    log_continuum: np.ndarray
-    # shape (k, m); change of the logarithm of the measured conductance [1]
-    log_conductance: np.ndarray
-
-    @classmethod
-    def none(cls, rows: int) -> "CommonErrors":
-        """No error in common, of a number of rows."""
-        nothing = np.zeros(0)
-        return cls((), nothing, nothing, *np.zeros((2, 0, rows)))
 
 
 @dataclass(frozen=True)

@@ -332,7 +332,7 @@ def _result(prepared: Prepared, solution: HeaterSolution, bench: Bench) -> TacFi
     preparation.require_possible(run.source, solution.total, reading)
     undetermined = preparation.why_undetermined(solution.total["tac"], problem, solution.scatter)
     estimates, texts = preparation.cut(solution.total)
-    fitted = problem.model(*solution.values.values())
+    fitted = problem.model([*solution.values.values()])
     off = [int(line) for line in run.table.lines[prepared.off_curve]]
     if off:
         shown, more = ", ".join(map(str, off[:_MOST_LINES])), len(off) - _MOST_LINES
@@ -370,7 +370,7 @@ def _result(prepared: Prepared, solution: HeaterSolution, bench: Bench) -> TacFi
             name: one.interval for name, one in preparation.cut(solution.total_normal)[0].items()
         },
         covariance=solution.covariance,
-        common_errors={name: solution.values[name] for name in problem.errors.names},
+        common_errors={name: solution.values[name] for name in problem.errors},
         scatter=solution.scatter,
         alike=solution.alike,
         by_reading=prepared.others,

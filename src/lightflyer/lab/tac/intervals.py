@@ -7,17 +7,18 @@ held at their best values. The total also includes those errors, each with its p
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, leastsq
 
 from lightflyer.lab.estimate import Estimate, student_factor
-from lightflyer.lab.tac.data import DRIFT, CommonErrors
-from lightflyer.lab.tac.problem import PARAMETERS, TAC_BOUNDS, HeaterProblem, JointProblem, minimise
+from lightflyer.lab.tac.data import DRIFT
+from lightflyer.lab.tac.problem import PARAMETERS, TAC_BOUNDS, HeaterProblem, minimise
 from lightflyer.numerics.residuals import alike_points
 
 POSITIVE = ("tac", "area_ratio")  # Parameters whose logarithms have the more nearly normal errors
+_WIDTH = len(PARAMETERS)
 
 LAW_ERROR = 2e-3
 """Relative standard error of the law's shape within a decade of pressure [1]: the kinetic law's
@@ -37,7 +38,6 @@ _LEAST_SCATTER = 1e-4  # relative; no bench measures a conductance better
 _ROUNDS = 6  # of scatter and common errors, each from the other
 _MOST_PARTS = 8  # of a decade, in which the law's shape errs by itself
 _SAME = 1e-3  # standard errors
-_POSITIVE = (0, 1)  # places of the positive parameters; their logarithms are worked on
 _FURTHEST = {"tac": TAC_BOUNDS, "area_ratio": (1e-3, 1e3), "offset": (-1e3, 1e3)}
 _GROWTH = 1.7  # of the step outwards until the interval's end is passed
 _MOST_STEPS = 40
@@ -46,16 +46,14 @@ _TOLERANCE = 1e-3  # of the distance in standard errors
 
 
 def profile_interval(
-    problem: JointProblem, values: Sequence[float], run: int, one: str, spread: float,
-    distance: float,
-) -> tuple[float, float]:  # fmt: skip
-    r"""Interval of a run's parameter in which the sum of squares rises by less than a square."""
-    # The root of the rise is nearly linear in the parameter, so few minimisations are needed.
-    held = len(PARAMETERS) * run + PARAMETERS.index(one)
-    best, least = np.array(values, float), float(np.sum(problem.residuals(*values) ** 2))
-    positive = np.array([
-        place for place in range(len(problem.parameters)) if place % len(PARAMETERS) in _POSITIVE
-    ])  # fmt: skip
+    problem: HeaterProblem, values: Sequence[float], held: int, spread: float, distance: float
+) -> tuple[float, float]:
+    """Interval of an unknown in which the sum of squares rises by less than a square."""
+    # The root of the rise is nearly linear in the parameter, so few minimisations are needed. The
+    # logarithms of positive parameters are worked on.
+    best, least = np.array(values, float), float(np.sum(problem.residuals(values) ** 2))
+    named = np.array([*PARAMETERS * problem.runs, *problem.errors])
+    positive = np.flatnonzero(np.isin(named, POSITIVE))
     others, logs = np.delete(np.arange(best.size), held), positive[positive != held]
     # once found, so that a root search sees one function whatever it starts from
     known, start = {float(best[held]): 0.0}, np.zeros(0)
@@ -73,22 +71,22 @@ def profile_interval(
 
         def slopes(inner: np.ndarray) -> np.ndarray:
             whole = outer(inner, at)
-            rows = problem.jacobian(*whole)
+            rows = problem.jacobian(whole)
             rows[positive] *= whole[positive, None]
             return np.asarray(rows[others])
 
         # a search that does not settle has run off to where the rise hardly changes any more
         found, *_ = leastsq(
-            lambda inner: problem.residuals(*outer(inner, at)), start, Dfun=slopes, col_deriv=True,
+            lambda inner: problem.residuals(outer(inner, at)), start, Dfun=slopes, col_deriv=True,
             full_output=True,
         )  # fmt: skip
-        more = float(np.sum(problem.residuals(*outer(found, at)) ** 2)) - least
+        more = float(np.sum(problem.residuals(outer(found, at)) ** 2)) - least
         start = found if np.all(np.isfinite(found)) else start
         known[at] = float(np.sqrt(max(more, 0.0)))
         return known[at]
 
     ends = []
-    for side, furthest in zip((-1.0, 1.0), _FURTHEST[one], strict=True):
+    for side, furthest in zip((-1.0, 1.0), _FURTHEST[named[held]], strict=True):
         inner = best.copy()
         inner[positive] = np.log(np.maximum(inner[positive], np.finfo(float).tiny))
         start, inside, end = inner[others], best[held], side * np.inf
@@ -131,167 +129,136 @@ def solve(
     ``guesses``: the three parameters of each run near the minimum. Returns a solution for each
     run, and the total covariance of their coefficients, shape (n, n).
     """
-    given, problems = problems, _with_own_drifts(problems)
-    found = _minimise_all(problems, guesses)
-    statistical = []  # intervals of the scatter, by covariance and by profile
-    for held, plain, alike, scatter in zip(
-        found.held, found.plain, found.alike, found.scatter, strict=True
-    ):
-        freedoms = dict.fromkeys(PARAMETERS, float(len(held.conductance) - len(PARAMETERS)))
-        best = _values(plain, PARAMETERS)
-        profiled = normal = _normal(best, alike * np.asarray(plain.covar), freedoms)
-        if scatter > _ROUNDING:  # rows without scatter have no profile
-            # very many rows are grouped; what scatters within a group is in the scatter already
-            rows = _scaled(held, 1.0 / (scatter * math.sqrt(alike)))
-            best = _values(minimise(rows, best), PARAMETERS)
-            profiled = _profiles(JointProblem((rows,)), best, 0, normal, freedoms)
-        statistical.append((normal, profiled))
-    if found.total is None:
-        alone = [
-            HeaterSolution(
-                dict(zip(PARAMETERS, _values(plain, PARAMETERS), strict=True)), scatter, alike,
-                alike * np.asarray(plain.covar), profiled, profiled, normal,
-            )
-            for plain, scatter, alike, (normal, profiled) in zip(
-                found.plain, found.scatter, found.alike, statistical, strict=True
-            )
+    if len(problems) > 1:  # the plateau of each drifts by itself
+        problems = [
+            replace(problem, errors={
+                f"{DRIFT}_{run}" if name == DRIFT else name: one
+                for name, one in problem.errors.items()
+            })
+            for run, problem in enumerate(problems)
         ]  # fmt: skip
-        return alone, np.diag([one.covariance[0, 0] for one in alone])
-    joint, total = found.joint, found.total
-    values, whole = _values(total, joint.names), np.asarray(total.covar)
-    common = dict(zip(joint.names, values, strict=True))
-    solutions, width = [], len(PARAMETERS)
-    for number, (problem, (normal, profiled)) in enumerate(zip(given, statistical, strict=True)):
-        place = slice(number * width, (number + 1) * width)
-        covariance = whole[place, place]
-        # by Welch's formula; those of common errors are infinite
-        shares = {
-            name: normal[name].uncertainty / one
-            for name, one in zip(PARAMETERS, np.sqrt(np.diag(covariance)), strict=True)
-        }
-        freedom = len(problem.conductance) - width
-        freedoms = {name: freedom / min(share, 1.0) ** 4 for name, share in shares.items()}
-        total_normal = _normal(values[place], covariance, freedoms)
-        errors = {
-            name: common[name if name in common else f"{name}_{number}"]
-            for name in problem.errors.names
-        }
+    runs, joint = _minimise_all(problems, guesses)
+    solutions = []
+    for number, (problem, run) in enumerate(zip(problems, runs, strict=True)):
+        best, freedom = run.values, float(len(problem.conductance) - _WIDTH)
+        covariance = run.alike * np.asarray(run.result.covar)
+        freedoms = dict.fromkeys(PARAMETERS, freedom)
+        profiled = normal = _normal(best, covariance, freedoms)
+        if run.scatter > _ROUNDING:  # rows without scatter have no profile
+            # very many rows are grouped; what scatters within a group is in the scatter already
+            rows = _scaled(run.problem, 1.0 / (run.scatter * math.sqrt(run.alike)))
+            profiled = _profiles(rows, minimise(rows, best)[0], 0, normal, freedoms)
+        total, total_normal, errors = profiled, normal, {}
+        if joint is not None:
+            place = slice(number * _WIDTH, (number + 1) * _WIDTH)
+            best = joint.values[place]
+            covariance = np.asarray(joint.result.covar)[place, place]
+            # by Welch's formula; those of common errors are infinite
+            freedoms = {
+                name: freedom / min(normal[name].uncertainty / one, 1.0) ** 4
+                for name, one in zip(PARAMETERS, np.sqrt(np.diag(covariance)), strict=True)
+            }
+            total_normal = _normal(best, covariance, freedoms)
+            total = _profiles(joint.problem, joint.values, place.start, total_normal, freedoms)
+            errors = {
+                DRIFT if name.startswith(DRIFT) else name: joint.common[name]
+                for name in problem.errors
+            }
         solutions.append(HeaterSolution(
-            dict(zip(PARAMETERS, values[place], strict=True)) | errors, found.scatter[number],
-            found.alike[number], covariance,
-            total=_profiles(joint, values, number, total_normal, freedoms),
-            statistical=profiled, total_normal=total_normal,
+            dict(zip(PARAMETERS, best, strict=True)) | errors, run.scatter, run.alike, covariance,
+            total=total, statistical=profiled, total_normal=total_normal,
         ))  # fmt: skip
-    return solutions, whole[: width * len(problems) : width, : width * len(problems) : width]
+    if joint is None:
+        return solutions, np.diag([one.covariance[0, 0] for one in solutions])
+    of_tac = slice(0, _WIDTH * len(problems), _WIDTH)
+    return solutions, np.asarray(joint.result.covar)[of_tac, of_tac]
 
 
 def best_tac(problem: HeaterProblem, guess: Sequence[float]) -> float:
     """Coefficient at the minimum of :func:`solve`, without its intervals."""
-    found = _minimise_all([problem], [guess])
-    result = found.plain[0] if found.total is None else found.total
-    return float(result.params["tac"].value)
+    (run,), joint = _minimise_all([problem], [guess])
+    return (joint or run).values[0]
 
 
-@dataclass(frozen=True)
-class _JointMinimum:
-    """Fits with the common errors held at their best, and with them free if there are any."""
+class _Minimum(NamedTuple):
+    """A fit."""
 
-    held: list[HeaterProblem]  # The runs with the common errors held
-    plain: list[Any]  # Their fits by lmfit
-    scatter: list[float]
-    alike: list[float]
-    joint: JointProblem  # Residuals in standard errors
-    total: Any | None  # Its fit by lmfit, of all unknowns
+    problem: HeaterProblem  # With the common errors held at their best, or all in standard errors
+    values: list[float]
+    result: Any  # of lmfit
+    scatter: float = 0.0
+    alike: float = 1.0
+
+    @property
+    def common(self) -> dict[str, float]:
+        """Errors that all rows have in common."""
+        count = len(self.problem.errors)
+        return dict(zip(self.problem.errors, self.values[len(self.values) - count :], strict=True))
 
 
 def _minimise_all(
     problems: Sequence[HeaterProblem], guesses: Sequence[Sequence[float]]
-) -> _JointMinimum:
+) -> tuple[list[_Minimum], _Minimum | None]:
+    """Fits of each run with the common errors held, and of all with these free, if any."""
     # Rows that deviate from the fit together count as fewer, or very many would move the common
     # errors far for what the law leaves out. The law's own errors are no part of what is held, or
     # they would take up scatter.
-    starts, total, alike = [[*guess] for guess in guesses], None, [1.0] * len(problems)
-    last, instruments = len(PARAMETERS) * len(problems), len(problems[0].errors.names)
+    joint, alike = None, [1.0] * len(problems)
+    common = dict.fromkeys((name for one in problems for name in one.errors), 0.0)
     # a smooth error of the law's shape bends within less than a decade as the square of its width;
     # what is straight of it goes into area ratio and offset
-    sharing, law_error = problems, LAW_ERROR * min(max(map(_decades, problems)), 1.0) ** 2
-    if len(problems) > 1 and instruments:
+    decades = [float(np.log10(one.pressure.max() / one.pressure.min())) for one in problems]
+    sharing, law_error = problems, LAW_ERROR * min(max(decades), 1.0) ** 2
+    pairs = zip(problems, decades, strict=True)
+    dense = [len(one.pressure) / max(wide, 1.0) for one, wide in pairs]  # rows within a decade
+    if len(problems) > 1 and common:
         unshared = LAW_OWN if min(guess[0] for guess in guesses) > _ALIKE_TAC else 1.0
         # Several a decade, whose mean over it keeps the law's error: one a decade would leave the
         # shape within a decade exact, by which very good rows would seem to measure the gauge's.
-        most = min(len(problem.pressure) / max(_decades(problem), 1.0) for problem in problems)
-        each = int(np.clip(most, 1.0, _MOST_PARTS))
+        each = int(np.clip(min(dense), 1.0, _MOST_PARTS))
         levels = [each * np.log10(problem.pressure) for problem in problems]
         lowest = min(level.min() for level in levels)
-        parts = np.arange(int(max(level.max() for level in levels) - lowest) + 1)
         size = law_error * math.sqrt(each * (1.0 - unshared**2))
-        found, nothing = [], np.zeros(len(parts))
-        for problem, level in zip(problems, levels, strict=True):
-            errors, effects = problem.errors, (level - lowest).astype(int) == parts[:, None]
-            errors = CommonErrors(
-                (*errors.names, *(f"law_{part}" for part in parts)),
-                np.concatenate([errors.log_pressure, nothing]),
-                np.concatenate([errors.zero, nothing]),
-                np.concatenate([errors.log_continuum, np.zeros(effects.shape)]),
-                np.concatenate([errors.log_conductance, size * effects]),
-            )
-            found.append(replace(problem, errors=errors))
-        sharing, law_error = found, unshared * law_error
-    joint = JointProblem(tuple(sharing))
-    of_law = [0.0] * (len(joint.names) - last - instruments)
-    common = [0.0] * instruments
+        sharing = [
+            replace(problem, errors=problem.errors | {
+                f"law_{part}": np.outer((0.0, 0.0, 0.0, size), (level - lowest).astype(int) == part)
+                for part in range(int(max(level.max() for level in levels) - lowest) + 1)
+            })
+            for problem, level in zip(problems, levels, strict=True)
+        ]  # fmt: skip
+        law_error = unshared * law_error
+    starts = [[*guess] for guess in guesses]
     for _ in range(_ROUNDS):
-        held = [problem.with_common_errors(common) for problem in problems]
-        plain = [minimise(one, start) for one, start in zip(held, starts, strict=True)]
-        starts = [_values(one, PARAMETERS) for one in plain]
-        scatter = [
-            float(np.sqrt(fit.chisqr / (len(one.conductance) - len(PARAMETERS))))
-            for fit, one in zip(plain, held, strict=True)
-        ]
-        if not common:
-            alike = [_alike(*one) for one in zip(problems, starts, strict=True)]
-            break
         runs = []
-        for problem, noise, count in zip(sharing, scatter, alike, strict=True):
+        for problem, start, many in zip(problems, starts, alike, strict=True):
+            held = problem.held(common)
+            values, result = minimise(held, start)
+            scatter = float(np.sqrt(result.chisqr / (len(held.conductance) - _WIDTH)))
+            runs.append(_Minimum(held, values, result, scatter, many))
+        if not common:
+            return [
+                one._replace(alike=_alike(problem, one.values))
+                for problem, one in zip(problems, runs, strict=True)
+            ], None
+        weighed = []
+        for problem, run, many in zip(sharing, runs, dense, strict=True):
             # the mean over a decade keeps the law's own error, or very many rows would seem to
             # measure the gauge's error by the shape of the curve
-            per_decade = len(problem.pressure) / max(_decades(problem), 1.0)
-            error = np.hypot(noise * np.sqrt(count), law_error * np.sqrt(per_decade))
-            runs.append(_scaled(problem, 1.0 / max(float(error), _LEAST_SCATTER)))
-        joint = JointProblem(tuple(runs))
-        total = minimise(joint, [*np.ravel(starts), *common, *of_law], scale=False)
-        values = _values(total, joint.names)
-        before, common = common, values[last : last + instruments]
-        starts = np.reshape(values[:last], (len(problems), -1)).tolist()
+            error = np.hypot(run.scatter * np.sqrt(run.alike), law_error * np.sqrt(many))
+            weighed.append(_scaled(problem, 1.0 / max(float(error), _LEAST_SCATTER)))
+        whole = HeaterProblem.joined(weighed)
+        first = [value for run in runs for value in run.values]
+        first += [common.get(name, 0.0) for name in whole.errors]
+        joint = _Minimum(whole, *minimise(whole, first, scale=False))
+        before, common = common, {name: joint.common[name] for name in common}
+        starts = np.reshape(joint.values[: _WIDTH * len(problems)], (-1, _WIDTH)).tolist()
         known, alike = alike, [
-            max(past, _alike(problem, [*start, *common]))
+            max(past, _alike(problem, [*start, *(common[name] for name in problem.errors)]))
             for problem, start, past in zip(problems, starts, alike, strict=True)
         ]  # fmt: skip
-        if np.allclose(before, common, atol=_SAME) and alike == known:
+        if np.allclose([*before.values()], [*common.values()], atol=_SAME) and alike == known:
             break
-    return _JointMinimum(held, plain, scatter, alike, joint, total)
-
-
-def _with_own_drifts(problems: Sequence[HeaterProblem]) -> Sequence[HeaterProblem]:
-    """Runs whose plateaus drift each by itself: as many unknowns as runs, each of one run."""
-    names = problems[0].errors.names
-    if len(problems) == 1 or DRIFT not in names:
-        return problems
-    shared = [place for place, name in enumerate(names) if name != DRIFT]
-    places = [*shared, *[names.index(DRIFT)] * len(problems)]
-    words = *(names[place] for place in shared), *(f"{DRIFT}_{n}" for n in range(len(problems)))
-    whose = np.concatenate([np.ones((len(problems), len(shared))), np.eye(len(problems))], axis=1)
-    return [
-        replace(
-            problem,
-            errors=CommonErrors(
-                words, problem.errors.log_pressure[places], problem.errors.zero[places],
-                has[:, None] * problem.errors.log_continuum[places],
-                problem.errors.log_conductance[places],
-            ),
-        )
-        for problem, has in zip(problems, whose, strict=True)
-    ]  # fmt: skip
+    return [one._replace(alike=many) for one, many in zip(runs, alike, strict=True)], joint
 
 
 def _scaled(problem: HeaterProblem, factor: float) -> HeaterProblem:
@@ -302,16 +269,8 @@ def _scaled(problem: HeaterProblem, factor: float) -> HeaterProblem:
 
 def _alike(problem: HeaterProblem, values: Sequence[float]) -> float:
     """Rows of neighbouring pressures that deviate from a fit together, in effect."""
-    residuals = (problem.model(*values) - problem.conductance) * problem.weight
+    residuals = (problem.model(values) - problem.conductance) * problem.weight
     return alike_points(residuals[np.argsort(problem.pressure, kind="stable")])
-
-
-def _decades(problem: HeaterProblem) -> float:
-    return float(np.log10(problem.pressure.max() / problem.pressure.min()))
-
-
-def _values(result: Any, names: tuple[str, ...]) -> list[float]:
-    return [float(result.params[name].value) for name in names]
 
 
 def _normal(
@@ -334,12 +293,13 @@ def positive_estimate(
 
 
 def _profiles(
-    joint: JointProblem, values: Sequence[float], run: int, normal: Mapping[str, Estimate],
+    problem: HeaterProblem, values: Sequence[float], first: int, normal: Mapping[str, Estimate],
     freedoms: Mapping[str, float],
 ) -> dict[str, Estimate]:  # fmt: skip
+    """Estimates with profile intervals; ``first``: place of the first of a run's unknowns."""
     return {
         name: replace(one, interval=profile_interval(
-            joint, values, run, name, one.uncertainty or 0.0, student_factor(freedoms[name])
+            problem, values, place, one.uncertainty or 0.0, student_factor(freedoms[name])
         ))
-        for name, one in normal.items()
+        for place, (name, one) in enumerate(normal.items(), start=first)
     }  # fmt: skip

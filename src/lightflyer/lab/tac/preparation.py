@@ -103,7 +103,7 @@ class Prepared:
     kept: np.ndarray  # Rows that are fitted, shape (n,)
     off_curve: np.ndarray  # Rows that belong to no curve through the others, shape (n,)
     problem: HeaterProblem
-    guess: tuple[float, float, float]
+    guess: list[float]
     others: dict[str, float | None]  # Coefficient by each of the other laws; none that fails
 
 
@@ -158,21 +158,21 @@ def make_problem(
         radiation = both_faces * (heater + ambient) * (heater**2 + ambient**2)
     conductance = run.power[kept] / (nominal_area(diameter) * (heater - ambient))
     limits = (law or bench.law).limits(pressure, ambient, heater, diameter, bench.gas)
-    errors = bench.accuracy.errors(heater - ambient, diameter)
+    errors = bench.accuracy.errors(pressure, heater - ambient, diameter)
     return HeaterProblem(
         run.source, conductance, pressure, limits, radiation, 1.0 / conductance, errors
     )
 
 
-def _weigh(problem: HeaterProblem) -> tuple[HeaterProblem, tuple[float, float, float]]:
+def _weigh(problem: HeaterProblem) -> tuple[HeaterProblem, list[float]]:
     """The problem with its residuals over the conductance of a first fit, and that fit."""
-    guess = first_guess(problem.group())
+    bare = problem.held({})
+    guess = first_guess(bare.group())
     for _ in range(_WEIGHTINGS):
-        problem = replace(problem, weight=1.0 / problem.model(*guess))
-        require_distinct(problem, guess)
-        found = minimise(problem.without_common_errors().group(), guess).params
-        guess = (float(found["tac"]), float(found["area_ratio"]), float(found["offset"]))
-    return problem, guess
+        bare = replace(bare, weight=1.0 / bare.model(guess))
+        require_distinct(bare, guess)
+        guess, _ = minimise(bare.group(), guess)
+    return replace(problem, weight=bare.weight), guess
 
 
 def _require_rows(run: TacRun, count: int) -> None:
@@ -188,7 +188,7 @@ def rows_off_the_curve(problem: HeaterProblem, lines: np.ndarray) -> np.ndarray:
     # A robust fit (soft L1 of the logarithms, from a running median) finds suspects. A suspect is
     # off if its deviation from the least-squares fit of the others is significant at 0.001 for the
     # whole run (Student's, Bonferroni's correction), and more than 3 %.
-    problem = problem.without_common_errors()
+    problem = problem.held({})
     order = np.argsort(problem.pressure, kind="stable")
     some = problem.rows(order[:: max(1, len(order) // _ROBUST_ROWS)])
     padded = np.pad(some.conductance, _WINDOW // 2, mode="edge")
@@ -213,23 +213,23 @@ def rows_off_the_curve(problem: HeaterProblem, lines: np.ndarray) -> np.ndarray:
     freedom = int((~suspects).sum()) - len(PARAMETERS)
     if not suspects.any() or freedom < 1:
         return np.zeros_like(suspects)
-    problem = replace(problem, weight=1.0 / problem.model(*robust))
+    problem = replace(problem, weight=1.0 / problem.model(robust))
     good = problem.rows(~suspects)
     fit = least_squares(
-        lambda values: good.residuals(*values), robust, x_scale=np.maximum(np.abs(robust), 0.1),
+        lambda values: good.residuals(values), robust, x_scale=np.maximum(np.abs(robust), 0.1),
         bounds=([1e-6, 1e-9, -np.inf], [20.0, np.inf, np.inf]),
     )  # fmt: skip
-    design, gradient = good.jacobian(*fit.x).T, problem.jacobian(*fit.x).T
+    design, gradient = good.jacobian(fit.x).T, problem.jacobian(fit.x).T
     leverage = np.sum(gradient @ np.linalg.pinv(design.T @ design) * gradient, axis=1)
     variance = 2.0 * fit.cost / freedom * (1.0 + leverage)
     limit = stats.t.isf(0.5 * _SIGNIFICANCE / count, freedom)
     limits = limit * np.sqrt(np.maximum(variance, np.finfo(float).tiny))
-    deviations = np.abs(problem.residuals(*fit.x))
+    deviations = np.abs(problem.residuals(fit.x))
     return suspects & (deviations > limits) & (deviations > _LEAST_DEVIATION)
 
 
 def _log_deviations(problem: HeaterProblem, values: np.ndarray) -> np.ndarray:
-    model = np.maximum(problem.model(*values), np.finfo(float).tiny)
+    model = np.maximum(problem.model(values), np.finfo(float).tiny)
     return np.log(problem.conductance) - np.log(model)
 
 

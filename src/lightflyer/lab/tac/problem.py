@@ -1,8 +1,9 @@
 """Least squares for a heater's conductance: laws of heat loss, model, first guess, minimisation."""
 
 import abc
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,7 +18,6 @@ from lightflyer.force.kinetic.ratios import kinetic_fit
 from lightflyer.force.laws.faces import free_molecular_conductance
 from lightflyer.force.lu2023 import READINGS, Reading, heat_conductances
 from lightflyer.gas.base import AbstractGas, knudsen_number
-from lightflyer.lab.tac.data import CommonErrors
 
 KINETIC = "kinetic"  # Name of the reading by the kinetic equation
 
@@ -31,6 +31,7 @@ TAC_BOUNDS = (1e-6, 20.0)
 """Bounds of the fit; wider than possible, so that what is impossible shows."""
 
 _STARTS = np.geomspace(0.02, 3.0, 60)  # coefficients tried for a first guess
+_ALONG = 1e-30  # step along the imaginary axis, of a derivative
 _RANK_TOLERANCE = 1e-7  # of the scaled Jacobian's singular values
 _GROUPS = 5_000  # of rows of neighbouring pressure that replace a very long run in its profile
 
@@ -48,21 +49,21 @@ class Limits:
     # Coefficients for which the law knows the continuum conductance; beyond it is constant
     tac_range: tuple[float, float]
 
+    def log_continuum_at(self, tac: Any) -> Any:
+        """Logarithm of the continuum conductance at a coefficient, shape (m,)."""
+        inside = np.clip(np.real(tac), *self.tac_range)
+        held = np.where(inside == np.real(tac), tac, inside)
+        constant, linear, square = self.log_continuum
+        return constant + (linear + square * held) * held
+
     def continuum(self, tac: float) -> np.ndarray:
         """Continuum conductance at a coefficient [W/(m² K)], shape (m,)."""
-        return np.exp(self.log_continuum_at(tac)[0])
+        return np.asarray(np.exp(self.log_continuum_at(tac)))
 
     def conductance(self, tac: float) -> np.ndarray:
         """Conductance of the gas at a coefficient: both limits in series [W/(m² K)]."""
         thin, dense = tac * self.free_molecular, self.continuum(tac)
         return thin * dense / (thin + dense)
-
-    def log_continuum_at(self, tac: float) -> tuple[np.ndarray, np.ndarray]:
-        """Its logarithm and the derivative of it by the coefficient, each of shape (m,)."""
-        inside = min(max(tac, self.tac_range[0]), self.tac_range[1])
-        constant, linear, square = self.log_continuum
-        derivative = (linear + 2.0 * square * inside) * (inside == tac)
-        return constant + (linear + square * inside) * inside, derivative
 
 
 class AbstractHeatLaw(abc.ABC):
@@ -192,86 +193,107 @@ HEAT_LAWS: dict[str, AbstractHeatLaw] = {
 
 @dataclass(frozen=True)
 class HeaterProblem:
-    """Conductances of a run, measured and modelled."""
+    """Conductances of a run, or of several on one bench, measured and modelled."""
 
-    # The unknowns are the three of :data:`PARAMETERS` and, where ``errors`` has any, as many
-    # errors that all rows have in common, each in standard errors about zero.
+    # The unknowns are the three of :data:`PARAMETERS` of each run in turn, and then the errors that
+    # all rows have in common, each in standard errors about zero.
 
-    source: str  # Name of the file, for messages
+    source: str  # Names of the files, for messages
     # Measured power per nominal area and temperature difference [W/(m² K)], shape (m,)
     conductance: np.ndarray
     pressure: np.ndarray  # [Pa], shape (m,)
     limits: Limits  # Limits of the gas
     radiation: np.ndarray  # Radiation counted apart from the offset [W/(m² K)], shape (m,)
     weight: np.ndarray  # Factor of the residuals [m² K/W], shape (m,)
-    errors: CommonErrors
+    # What one standard error of each that rows have in common changes, shape (4, m): logarithm of
+    # the pressure, zero of the gauge over the pressure, logarithms of the continuum conductance and
+    # of the measured one [1]
+    errors: dict[str, np.ndarray]
+    sizes: tuple[int, ...] = ()  # Rows of each of several runs
 
-    def with_common_errors(self, common: Sequence[float]) -> "HeaterProblem":
-        """The problem of the three parameters alone, at given errors of all rows."""
-        given = np.array(common, float)
-        shift = float(given @ self.errors.log_pressure)
-        rising = np.exp(shift) + float(given @ self.errors.zero) / self.pressure
-        logarithms = self.limits.log_continuum.copy()
-        logarithms[0] += self.limits.slope * shift + given @ self.errors.log_continuum
-        amplitude = np.exp(given @ self.errors.log_conductance)
-        limits = replace(
-            self.limits,
-            free_molecular=self.limits.free_molecular * rising,
-            log_continuum=logarithms,
-        )
+    @classmethod
+    def joined(cls, problems: "Sequence[HeaterProblem]") -> "HeaterProblem":
+        """Runs with the errors that they have in common."""
+        names = dict.fromkeys(name for one in problems for name in one.errors)
+        nothing = [np.zeros((4, one.conductance.size)) for one in problems]
+        each = [
+            replace(one, errors={name: one.errors.get(name, none) for name in names})
+            for one, none in zip(problems, nothing, strict=True)
+        ]
         return replace(
-            self, conductance=self.conductance / amplitude, limits=limits,
-            weight=self.weight * amplitude, errors=CommonErrors.none(len(self.conductance)),
+            each[0]._each(lambda *all_runs: np.concatenate(all_runs, axis=-1), *each[1:]),
+            source=", ".join(dict.fromkeys(one.source for one in problems)),
+            sizes=tuple(one.conductance.size for one in problems) if len(problems) > 1 else (),
         )  # fmt: skip
 
-    def without_common_errors(self) -> "HeaterProblem":
-        return self.with_common_errors([0.0] * len(self.errors.names))
+    @property
+    def names(self) -> list[str]:
+        """Names of the unknowns, of the parameters of several runs with the run's number."""
+        numbered = [f"{name}_{run}" for run in range(len(self.sizes)) for name in PARAMETERS]
+        return [*(numbered or PARAMETERS), *self.errors]
 
-    def _gas(self, tac: float, common: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Both limits at a coefficient, derivative of the dense one, and the thin one's factor."""
-        shift = float(common @ self.errors.log_pressure)
-        factor = np.exp(shift)
-        at_one = tac * self.limits.free_molecular
-        thin = at_one * (factor + float(common @ self.errors.zero) / self.pressure)
-        logarithm, per_tac = self.limits.log_continuum_at(tac)
-        shifted = self.limits.slope * shift + common @ self.errors.log_continuum
-        return thin, np.exp(logarithm + shifted), per_tac, at_one * factor
+    @property
+    def runs(self) -> int:
+        """How many there are."""
+        return len(self.sizes) or 1
 
-    def model(self, tac: float, area_ratio: float, offset: float, *common: float) -> np.ndarray:
-        """Conductance per nominal area [W/(m² K)], shape (m,)."""
-        given = np.array(common or np.zeros(len(self.errors.names)))
-        thin, dense, *_ = self._gas(tac, given)
-        amplitude = np.exp(given @ self.errors.log_conductance)
+    @cached_property
+    def _effects(self) -> np.ndarray:
+        """What one standard error of each changes, shape (k, 4, m)."""
+        return np.reshape([*self.errors.values()], (len(self.errors), 4, self.conductance.size))
+
+    @cached_property
+    def _run(self) -> np.ndarray:
+        """Number of each row's run, shape (m,)."""
+        return np.repeat(np.arange(self.runs), self.sizes or self.conductance.size)
+
+    def held(self, common: Mapping[str, float]) -> "HeaterProblem":
+        """The problem of the parameters alone, at given errors of all rows, by default none."""
+        given = np.array([common.get(name, 0.0) for name in self.errors])
+        shift, zero, dense, amplitude = np.tensordot(given, self._effects, 1)
+        logarithms = self.limits.log_continuum.copy()
+        logarithms[0] += self.limits.slope * shift + dense
+        thin = self.limits.free_molecular * (np.exp(shift) + zero)
+        return replace(
+            self, conductance=self.conductance / np.exp(amplitude),
+            weight=self.weight * np.exp(amplitude), errors={},
+            limits=replace(self.limits, free_molecular=thin, log_continuum=logarithms),
+        )  # fmt: skip
+
+    def _of_rows(self, unknowns: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Parameters of each row, and what the errors change of it, shape (7, m)."""
+        last = len(PARAMETERS) * self.runs
+        own = np.reshape(unknowns[:last], (self.runs, -1))[self._run].T
+        return np.concatenate([own, np.tensordot(unknowns[last:], self._effects, 1)])
+
+    def _conductance(self, of_rows: np.ndarray) -> np.ndarray:
+        tac, area_ratio, offset, shift, zero, dense, amplitude = of_rows
+        thin = tac * self.limits.free_molecular * (np.exp(shift) + zero)
+        dense = np.exp(self.limits.log_continuum_at(tac) + self.limits.slope * shift + dense)
         gas = thin * dense / (thin + dense)
-        return np.asarray(area_ratio * amplitude * (gas + self.radiation + offset))
+        return np.asarray(area_ratio * np.exp(amplitude) * (gas + self.radiation + offset))
 
-    def residuals(self, *unknowns: float) -> np.ndarray:
-        """Weighted residuals of the rows [1], shape (m,)."""
-        return (self.model(*unknowns) - self.conductance) * self.weight
+    def model(self, unknowns: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Conductance per nominal area [W/(m² K)], shape (m,)."""
+        return self._conductance(self._of_rows(unknowns))
 
-    def jacobian(self, tac: float, area_ratio: float, offset: float, *common: float) -> np.ndarray:
-        """Derivatives of the residuals by the unknowns, shape (3 + k, m)."""
-        given, errors = np.array(common), self.errors
-        thin, dense, per_tac, scaled = self._gas(tac, given)
-        amplitude = area_ratio * np.exp(given @ errors.log_conductance)
-        share = dense / (thin + dense)  # of the resistance, that is of thin gas
-        by_thin, by_log_dense = share**2, (1.0 - share) ** 2 * dense
-        inside = thin * dense / (thin + dense) + self.radiation + offset
-        by_tac = by_thin * thin / tac + by_log_dense * per_tac
-        by_pressure = by_thin * scaled + by_log_dense * self.limits.slope
-        by_zero = by_thin * tac * self.limits.free_molecular / self.pressure
-        columns = [amplitude * by_tac, amplitude / area_ratio * inside, amplitude]
-        for number in range(len(errors.names)):
-            of_gas = (
-                errors.log_pressure[number] * by_pressure
-                + errors.zero[number] * by_zero
-                + errors.log_continuum[number] * by_log_dense
-            )
-            columns.append(amplitude * (of_gas + errors.log_conductance[number] * inside))
-        return np.stack(columns) * self.weight
+    def residuals(self, unknowns: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Weighted residuals of the rows, and the common errors [1], shape (m + k,)."""
+        rows = (self.model(unknowns) - self.conductance) * self.weight
+        return np.concatenate([rows, unknowns[len(PARAMETERS) * self.runs :]])
+
+    def jacobian(self, unknowns: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Derivatives of the residuals by the unknowns, shape (n, m + k)."""
+        of_rows, width = self._of_rows(unknowns), len(PARAMETERS)
+        steps = of_rows[:, None] + 1j * _ALONG * np.eye(len(of_rows))[:, :, None]
+        slopes = self._conductance(steps).imag / _ALONG * self.weight
+        by_run = [slopes[:width] * (self._run == run) for run in range(self.runs)]
+        by_errors = np.sum(self._effects * slopes[width:], axis=1)
+        of_errors = np.eye(len(unknowns))[:, width * self.runs :]
+        return np.hstack([np.concatenate([*by_run, by_errors]), of_errors])
 
     def group(self) -> "HeaterProblem":
-        """Rows of neighbouring pressure averaged, each group weighted by its size."""
+        """Rows of a run of neighbouring pressure averaged, each group weighted by its size."""
         # A profile of very many rows would take long. Within a group the model hardly changes, and
         # the scatter within it does not depend on the parameters.
         if len(self.conductance) <= 2 * _GROUPS:
@@ -284,94 +306,40 @@ class HeaterProblem:
         return replace(means, weight=means.weight * np.sqrt(sizes))
 
     def rows(self, kept: np.ndarray) -> "HeaterProblem":
-        """The same problem with some of its rows; ``kept`` is boolean, shape (m,)."""
+        """The same problem of a run with some of its rows; ``kept`` is boolean, shape (m,)."""
         return self._each(lambda one: one[..., kept])
 
-    def _each(self, change: Callable[[np.ndarray], np.ndarray]) -> "HeaterProblem":
-        """The problem with changed arrays, of shape (m,) or (k, m)."""
-        limits, errors = self.limits, self.errors
-        return replace(
-            self, conductance=change(self.conductance), pressure=change(self.pressure),
-            radiation=change(self.radiation), weight=change(self.weight),
-            limits=replace(
-                limits, free_molecular=change(limits.free_molecular), slope=change(limits.slope),
-                log_continuum=change(limits.log_continuum),
-            ),
-            errors=replace(
-                errors, log_continuum=change(errors.log_continuum),
-                log_conductance=change(errors.log_conductance),
-            ),
-        )  # fmt: skip
+    def _each(self, change: Callable[..., np.ndarray], *others: "HeaterProblem") -> "HeaterProblem":
+        """The problem with changed arrays, of shape (m,) or (k, m); also from those of others."""
+        every = (self, *others)
+        own, of_gas = (
+            {name: change(*(getattr(one, name) for one in group)) for name in names}
+            for group, names in (
+                (every, ("conductance", "pressure", "radiation", "weight")),
+                ([one.limits for one in every], ("free_molecular", "slope", "log_continuum")),
+            )
+        )
+        errors = {name: change(*(one.errors[name] for one in every)) for name in self.errors}
+        return replace(self, **own, limits=replace(self.limits, **of_gas), errors=errors)  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True)
-class JointProblem:
-    """Runs on one bench, each with parameters of its own, with the errors that all have in common.
-
-    The unknowns are the parameters of each run in turn, and then the errors.
-    """
-
-    runs: tuple[HeaterProblem, ...]
-
-    @property
-    def source(self) -> str:
-        """Names of the files, for messages."""
-        return ", ".join(dict.fromkeys(run.source for run in self.runs))
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters, those of several runs with the run's number."""
-        if len(self.runs) == 1:
-            return PARAMETERS
-        return tuple(f"{name}_{run}" for run in range(len(self.runs)) for name in PARAMETERS)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the unknowns."""
-        return (*self.parameters, *self.runs[0].errors.names)
-
-    def _parts(self, unknowns: Sequence[float]) -> list[tuple[HeaterProblem, Sequence[float]]]:
-        last, width = len(self.parameters), len(PARAMETERS)
-        return [
-            (run, [*unknowns[number * width : (number + 1) * width], *unknowns[last:]])
-            for number, run in enumerate(self.runs)
-        ]
-
-    def residuals(self, *unknowns: float) -> np.ndarray:
-        """Weighted residuals of all rows, and of the common errors once [1]."""
-        rows = [run.residuals(*part) for run, part in self._parts(unknowns)]
-        return np.concatenate([*rows, unknowns[len(self.parameters) :]])
-
-    def jacobian(self, *unknowns: float) -> np.ndarray:
-        """Derivatives of the residuals by the unknowns, shape (3 n + k, m + k)."""
-        last, width = len(self.parameters), len(PARAMETERS)
-        blocks = []
-        for number, (run, part) in enumerate(self._parts(unknowns)):
-            of_run = run.jacobian(*part)
-            block = np.zeros((len(unknowns), of_run.shape[1]))
-            block[number * width : (number + 1) * width] = of_run[:width]
-            block[last:] = of_run[width:]
-            blocks.append(block)
-        return np.concatenate([*blocks, np.eye(len(unknowns))[:, last:]], axis=1)
-
-
-def first_guess(problem: HeaterProblem) -> tuple[float, float, float]:
+def first_guess(problem: HeaterProblem) -> list[float]:
     """Best of many coefficients; area ratio and offset by linear least squares for each."""
     weight = problem.weight
-    best, least = (1.0, 1.0, 0.0), np.inf
+    best, least = [1.0, 1.0, 0.0], np.inf
     for tac in _STARTS:
         gas = problem.limits.conductance(float(tac)) + problem.radiation
         design = np.stack([gas * weight, weight], axis=1)
         (ratio, product), *_ = np.linalg.lstsq(design, problem.conductance * weight)
         cost = float(np.sum((design @ (ratio, product) - problem.conductance * weight) ** 2))
         if cost < least and ratio > 0.0:
-            best, least = (float(tac), float(ratio), float(product / ratio)), cost
+            best, least = [float(tac), float(ratio), float(product / ratio)], cost
     return best
 
 
 def require_distinct(problem: HeaterProblem, values: Sequence[float]) -> None:
     """Raise unless the pressures determine all three parameters."""
-    jacobian = problem.without_common_errors().jacobian(*values)
+    jacobian = problem.jacobian(values)
     scaled = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
     singular = np.sqrt(np.maximum(np.linalg.eigvalsh(scaled @ scaled.T), 0.0))
     if singular[0] < _RANK_TOLERANCE * singular[-1]:
@@ -382,22 +350,24 @@ def require_distinct(problem: HeaterProblem, values: Sequence[float]) -> None:
 
 
 def minimise(
-    problem: HeaterProblem | JointProblem, start: Sequence[float], *, scale: bool = True
-) -> Any:
-    """Minimise the sum of squares by lmfit; its result."""
+    problem: HeaterProblem, start: Sequence[float], *, scale: bool = True
+) -> tuple[list[float], Any]:
+    """Minimise the sum of squares by lmfit; the unknowns and its result."""
     import lmfit  # takes a while
 
-    joint = JointProblem((problem,)) if isinstance(problem, HeaterProblem) else problem
-    parameters, last = lmfit.Parameters(), len(joint.parameters)
-    bounds = (TAC_BOUNDS, (0.0, np.inf), (-np.inf, np.inf))
-    for number, (name, value) in enumerate(zip(joint.names, start, strict=True)):
-        low, high = bounds[number % len(PARAMETERS)] if number < last else bounds[-1]
+    bounds = [TAC_BOUNDS, (0.0, np.inf), (-np.inf, np.inf)] * problem.runs
+    bounds += [(-np.inf, np.inf)] * len(problem.errors)
+    parameters = lmfit.Parameters()
+    for name, value, (low, high) in zip(problem.names, start, bounds, strict=True):
         parameters.add(name, value=value, min=low, max=high)
+
+    def values(given: Any) -> list[float]:
+        return [float(one) for one in given.valuesdict().values()]
+
     result = lmfit.minimize(
-        lambda given: joint.residuals(*(float(given[name]) for name in joint.names)),
-        parameters, scale_covar=scale, col_deriv=1, ftol=1e-14, xtol=1e-12, gtol=1e-14,
-        Dfun=lambda given: joint.jacobian(*(float(given[name]) for name in joint.names)),
+        lambda given: problem.residuals(values(given)), parameters, scale_covar=scale, col_deriv=1,
+        ftol=1e-14, xtol=1e-12, gtol=1e-14, Dfun=lambda given: problem.jacobian(values(given)),
     )  # fmt: skip
     if result.covar is None or not np.all(np.isfinite(result.covar)):
-        raise ConvergenceError(f"{joint.source}: the fit failed: {result.message}")
-    return result
+        raise ConvergenceError(f"{problem.source}: the fit failed: {result.message}")
+    return values(result.params), result

@@ -132,7 +132,7 @@ def test_errors_of_psi_and_delta_add_up_over_their_ordinates(tmp_path, rng, nois
     path.write_text("".join(lines[:2] + lines[3:]).replace("0.05 %", "0.0001 %"), encoding="utf-8")
     fit = search(FilmProblem.of(read_sample(path)), starts=1)
     problem, best = fit.problem, fit.best
-    jacobian = problem.jacobian(np.concatenate([best.position, best.errors.ravel()]))
+    jacobian = problem.jacobian(best.vector)
     moves = np.linalg.solve(jacobian.T @ jacobian, jacobian.T)[0, :300].reshape(2, 3, 50)
     found = problem.common_errors(best).reshape(2, 3)
     spread = np.reshape(problem.spread, (2, 3, 1))
@@ -182,4 +182,4 @@ def test_polarisations_of_reflected_light(tmp_path, rng):
         tmm.coh_tmm(kind, index, [np.inf, THICKNESS, np.inf], 1.0, 1e-6 * wavelength)["R"]
         for kind in "sp"
     )
-    assert [one[7] for one in shares] == pytest.approx([s, p, 0.5 * (s + p)], rel=1e-9)
+    assert shares.reshape(3, -1)[:, 7].tolist() == pytest.approx([s, p, 0.5 * (s + p)], rel=1e-9)

@@ -240,13 +240,13 @@ def fit_optics(
         for solution, excess in fit.rivals
     )
     errors = fit.best.errors * np.array([one.errors for one in sample.spectra])
+    shares = fit.problem.by_spectrum(model.shares(fit.best.position)[0])
     spectra = tuple(
         FittedSpectrum(one, reading, share, float(error[0]), float(error[1]), scatter)
         for one, reading, share, error, scatter in zip(
-            sample.spectra, fit.problem.readings(fit.best), model.shares(fit.best.position)[0],
-            errors, fit.scatter, strict=True,
+            sample.spectra, fit.problem.readings(fit.best), shares, errors, fit.scatter, strict=True
         )
-    )  # fmt: skip
+    )
     open_ends = {
         one.name: (low <= 0.0, high >= 1.0)
         for one, (low, high) in zip(sample.free, ends, strict=True)
@@ -298,8 +298,8 @@ def _other_delta(sample: OpticsSample, fit: FilmFit, starts: int, seed: int) -> 
         elif np.all(sine > -one.accuracy):
             without = replace(sample, spectra=tuple(o for o in sample.spectra if o is not one))
             least = search(FilmProblem.of(without), starts=starts, seed=seed)
-            shown = OpticalModel(sample).shares(least.best.position)[0][at]
-            if not is_off(one, sine - np.abs(shown)):
+            shown = OpticalModel(sample).shares(least.best.position)[0]
+            if not is_off(one, sine - np.abs(fit.problem.by_spectrum(shown)[at])):
                 found.append(Doubt(
                     f"{one.where[0]}: all Δ are within 0 to 180°, and the film fits where S has "
                     'lost its sign: Δ is folded, as by a rotating analyser; write delta = "folded" '

@@ -10,6 +10,7 @@ Numbers are fitted as shares of the way between their bounds; derivatives are JA
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -26,17 +27,27 @@ _TOLERANCE = 1e-8
 _FLAT = 1e-2  # least curvature that a direction is taken to have, that of a prior of ten widths
 _IMPOSSIBLE = 1e6  # residual of a film that has no optical constants, in standard errors
 _STEP = 1e-6  # of the width between the bounds, over which slopes are taken
-_POLARISATIONS = {"s": [1.0, 0.0], "p": [0.0, 1.0], "none": [0.5, 0.5]}
+_OF_S = {"s": 1.0, "p": 0.0, "none": 0.5}  # share of s-polarised light
 
 
 class OpticalModel:
     """What the instruments would read of a film without their own errors."""
 
     def __init__(self, sample: OpticsSample):
-        self.free, self._build, self._spectra = sample.free, sample.build, sample.spectra
+        self.free, self._build = sample.free, sample.build
         self.lowest = np.array([one.lowest for one in sample.free])
         self.widths = np.array([one.highest for one in sample.free]) - self.lowest
-        self._last: tuple[bytes, tuple[list[np.ndarray], list[np.ndarray]]] | None = None
+        sizes = [len(one.spectrum.value) for one in sample.spectra]
+        #: of each point of all spectra in turn
+        self._wavelength = np.concatenate([one.spectrum.wavelength for one in sample.spectra])
+        lit = [
+            (one.incidence, one.side, one.spectrum.quantity, _OF_S[one.polarisation])
+            for one in sample.spectra
+        ]
+        self._incidence, self._side, self._quantity, self._of_s = (
+            np.repeat(one, sizes) for one in zip(*lit, strict=True)
+        )
+        self._last: tuple[bytes, tuple[np.ndarray, np.ndarray]] | None = None
 
     def film(self, position: Numeric) -> Film:
         """The film at a position between the bounds."""
@@ -53,58 +64,54 @@ class OpticalModel:
 
     def require_fit(self, sample: OpticsSample) -> None:
         """Raise :class:`ParameterError` unless a sample has these bounds and wavelengths."""
-        ours, theirs = (
-            (
-                [(one.name, one.lowest, one.highest) for one in free],
-                [(*one.spectrum.wavenumber, one.incidence, one.side, one.spectrum.quantity)
-                 for one in spectra],
-            )
-            for free, spectra in ((self.free, self._spectra), (sample.free, sample.spectra))
-        )  # fmt: skip
-        if ours != theirs:
+        bounds, theirs = (
+            [(one.name, one.lowest, one.highest) for one in free]
+            for free in (self.free, sample.free)
+        )
+        other = OpticalModel(sample)
+        points = ("_wavelength", "_incidence", "_side", "_quantity")
+        if bounds != theirs or not all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in points
+        ):
             raise ParameterError("the model is that of other bounds, spectra or wavelengths")
 
-    def shares(self, position: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Share of the light at each point of each spectrum, and its derivatives."""
+    def shares(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Share of the light at each point of all spectra, and its derivatives (points, free)."""
         position = np.asarray(position, float)
         key = position.tobytes()
         if self._last is None or self._last[0] != key:
-            columns = []
-            for step in _STEP * np.eye(position.size):
-                below, above = self._shares(position - step), self._shares(position + step)
-                columns.append([(b - a) / (2.0 * _STEP) for a, b in zip(below, above, strict=True)])
-            slopes = [np.stack(column, axis=-1) for column in zip(*columns, strict=True)]
-            self._last = key, (self._shares(position), slopes)
+            slopes = [
+                (self._shares(position + step) - self._shares(position - step)) / (2.0 * _STEP)
+                for step in _STEP * np.eye(position.size)
+            ]
+            self._last = key, (self._shares(position), np.stack(slopes, axis=-1))
         return self._last[1]
 
-    def _shares(self, position: np.ndarray) -> list[np.ndarray]:
-        found = dict[int, np.ndarray]()
+    def _shares(self, position: np.ndarray) -> np.ndarray:
+        found = np.empty(self._wavelength.size)
         with by_numpy():
             film = self.film(position)
-            for side in dict.fromkeys(one.side for one in self._spectra):
-                # all their points are computed together
-                mine = {number: one for number, one in enumerate(self._spectra) if one.side == side}
-                wavelength = np.concatenate([one.spectrum.wavelength for one in mine.values()])
-                sizes = [len(one.spectrum.wavelength) for one in mine.values()]
-                incidence = np.repeat([one.incidence for one in mine.values()], sizes)
-                asked = {one.spectrum.quantity for one in mine.values()}
-                optics: Any = None
-                angles: Any = None
-                if asked - {*ORDINATES}:
-                    optics = film.optics(wavelength, incidence, side)
-                if asked & {*ORDINATES}:
-                    angles = film.ellipsometry(wavelength, incidence, side)
-                first = 0
-                for (number, one), size in zip(mine.items(), sizes, strict=True):
-                    points, first = slice(first, first + size), first + size
-                    quantity = one.spectrum.quantity
-                    if quantity in ORDINATES:
-                        found[number] = angles[ORDINATES.index(quantity), points]
-                        continue
-                    share = getattr(optics, quantity)[:, points]
-                    weight = _POLARISATIONS[one.polarisation]
-                    found[number] = weight[0] * share[0] + weight[1] * share[1]
-        return [found[number] for number in range(len(self._spectra))]
+            # all points that light falls on alike are computed together
+            for side, angles in product(("top", "bottom"), (False, True)):
+                is_angle = np.isin(self._quantity, ORDINATES)
+                here = np.flatnonzero((self._side == side) & (is_angle == angles))
+                if not here.size:
+                    continue
+                lit: Any = self._wavelength[here], self._incidence[here], side
+                if angles:
+                    values = dict(zip(ORDINATES, film.ellipsometry(*lit), strict=True))
+                else:
+                    optics, of_s = film.optics(*lit), self._of_s[here]
+                    values = {
+                        name: of_s * share[0] + (1.0 - of_s) * share[1]
+                        for name, share in (
+                            ("transmittance", optics.transmittance),
+                            ("reflectance", optics.reflectance),
+                        )
+                    }
+                shown = self._quantity[here]
+                found[here] = np.select([shown == name for name in values], [*values.values()])
+        return found
 
 
 @dataclass(frozen=True)
@@ -115,6 +122,11 @@ class FilmSolution:
     # Errors of scale and zero, in their standard uncertainties, shape (spectra, 2)
     errors: np.ndarray
     cost: float  # Sum of squared residuals, priors included
+
+    @property
+    def vector(self) -> np.ndarray:
+        """Everything that is fitted, shape (size,)."""
+        return np.concatenate([self.position, self.errors.ravel()])
 
 
 @dataclass(frozen=True)
@@ -141,6 +153,12 @@ class FilmProblem:
         return np.array([one.errors for one in self.spectra])
 
     @cached_property
+    def _owner(self) -> np.ndarray:
+        """Number of each point's spectrum, shape (points,)."""
+        sizes = [len(one.spectrum.value) for one in self.spectra]
+        return np.repeat(np.arange(len(sizes)), sizes)
+
+    @cached_property
     def _known(self) -> list[tuple[int, float, float]]:
         """Number, position and its standard uncertainty of what is known beforehand."""
         starts = self.model.positions(np.array([one.start for one in self.free]))
@@ -150,55 +168,47 @@ class FilmProblem:
             if one.prior is not None and self.informed
         ]
 
-    @property
-    def size(self) -> int:
-        """How many numbers are fitted, instruments' errors included."""
-        return len(self.free) + 2 * len(self.spectra)
+    def by_spectrum(self, values: np.ndarray) -> list[np.ndarray]:
+        """Values at all points, by spectrum."""
+        return np.split(values, np.flatnonzero(np.diff(self._owner)) + 1)
 
     def readings(self, solution: FilmSolution) -> list[np.ndarray]:
         """What the instruments read by a solution, without noise."""
-        shares, _ = self.model.shares(solution.position)
-        scale, zero = (solution.errors * self._accuracy).T
-        return [share * (1.0 + s) + o for share, s, o in zip(shares, scale, zero, strict=True)]
+        return self.by_spectrum(self._readings(solution.position, solution.errors))
+
+    def _readings(self, position: np.ndarray, errors: np.ndarray) -> np.ndarray:
+        scale, zero = (errors * self._accuracy)[self._owner].T
+        return np.asarray(self.model.shares(position)[0] * (1.0 + scale) + zero)
 
     def residuals(self, vector: np.ndarray) -> np.ndarray:
         """Residuals in standard errors, those of priors last; ``vector`` (size,)."""
         found = self._solution(vector)
-        parts = [
-            (reading - one.spectrum.value) / spread
-            for reading, one, spread in zip(
-                self.readings(found), self.spectra, self.spread, strict=True
-            )
-        ]
+        measured = np.concatenate([one.spectrum.value for one in self.spectra])
+        off = self._readings(found.position, found.errors) - measured
         priors = [(vector[number] - at) / spread for number, at, spread in self._known]
-        whole = np.concatenate([*parts, found.errors.ravel(), priors])
+        points = off / np.array(self.spread)[self._owner]
+        whole = np.concatenate([points, found.errors.ravel(), priors])
         # a formula of n and k may not hold everywhere between the bounds; no step goes there
         return np.where(np.isfinite(whole), whole, _IMPOSSIBLE)
 
     def jacobian(self, vector: np.ndarray) -> np.ndarray:
         """Derivatives of the residuals, shape (residuals, size)."""
-        count = len(self.free)
-        shares, slopes = self.model.shares(vector[:count])
-        errors = self._solution(vector).errors * self._accuracy
-        rows = []
-        for number, (share, slope) in enumerate(zip(shares, slopes, strict=True)):
-            block = np.zeros((len(share), self.size))
-            block[:, :count] = (1.0 + errors[number, 0]) * slope
-            block[:, count + 2 * number] = self._accuracy[number, 0] * share
-            block[:, count + 2 * number + 1] = self._accuracy[number, 1]
-            rows.append(block / self.spread[number])
-        of_errors = np.zeros((self.size - count, self.size))
-        of_errors[:, count:] = np.eye(self.size - count)
-        priors = np.zeros((len(self._known), self.size))
-        for row, (number, _, spread) in enumerate(self._known):
-            priors[row, number] = 1.0 / spread
-        whole = np.concatenate([*rows, of_errors, priors])
+        count, owner = len(self.free), self._owner
+        share, slopes = self.model.shares(vector[:count])
+        scale, zero = self._accuracy[owner].T
+        rows = np.zeros((owner.size, vector.size))
+        rows[:, :count] = (1.0 + scale * vector[count + 2 * owner])[:, None] * slopes
+        rows[np.arange(owner.size), count + 2 * owner] = scale * share
+        rows[np.arange(owner.size), count + 2 * owner + 1] = zero
+        rows /= np.array(self.spread)[owner][:, None]
+        alone = np.eye(vector.size)
+        priors = [alone[number] / spread for number, _, spread in self._known]
+        whole = np.concatenate([rows, alone[count:], np.reshape(priors, (-1, vector.size))])
         return np.where(np.isfinite(whole), whole, 0.0)
 
     def is_possible(self, solution: FilmSolution) -> bool:
         """Whether the film of a solution has optical constants."""
-        shares, _ = self.model.shares(solution.position)
-        return all(bool(np.all(np.isfinite(one))) for one in shares)
+        return bool(np.all(np.isfinite(self.model.shares(solution.position)[0])))
 
     def _solution(self, vector: np.ndarray, cost: float = np.nan) -> FilmSolution:
         count = len(self.free)
@@ -215,18 +225,14 @@ class FilmProblem:
 
         held = held or {}
         errors = np.zeros((len(self.spectra), 2)) if errors is None else errors
-        start = np.concatenate([position, errors.ravel()])
         parameters = lmfit.Parameters()
-        for number, value in enumerate(start):
-            bounds = (0.0, 1.0) if number < len(self.free) else (-np.inf, np.inf)
-            parameters.add(
-                f"p{number}", value=held.get(number, value), vary=number not in held,
-                min=bounds[0], max=bounds[1],
-            )  # fmt: skip
-        varied = [number not in held for number in range(len(start))]
+        for number, value in enumerate([*position, *errors.ravel()]):
+            low, high = (0.0, 1.0) if number < len(self.free) else (-np.inf, np.inf)
+            parameters.add(f"p{number}", held.get(number, value), number not in held, low, high)
+        varied = [one.vary for one in parameters.values()]
 
         def vector(given: Any) -> np.ndarray:
-            return np.array([given[f"p{number}"].value for number in range(len(start))])
+            return np.array([*given.valuesdict().values()])
 
         minimizer = lmfit.Minimizer(lambda given: self.residuals(vector(given)), parameters,
                                     calc_covar=False)  # fmt: skip
@@ -246,7 +252,7 @@ class FilmProblem:
     def determined_numbers(self, solution: FilmSolution) -> float:
         """How many numbers the spectra tell, of which some are known beforehand in part."""
         full, jacobian = self._inverse(solution)
-        points = jacobian[: sum(len(one.spectrum.value) for one in self.spectra)]
+        points = jacobian[: self._owner.size]
         return float(np.sum((points @ full) * points))
 
     def common_errors(self, solution: FilmSolution) -> np.ndarray:
@@ -255,10 +261,8 @@ class FilmProblem:
         # way depends on the point. How far deviations at one point add up, the residuals tell, as
         # in variances of clustered data [LiangZeger1986]_.
         full, jacobian = self._inverse(solution)
-        residual = self.residuals(np.concatenate([solution.position, solution.errors.ravel()]))
-        moves = (jacobian @ full)[:, : len(self.free)] * residual[:, None]
-        ends = np.cumsum([len(one.spectrum.value) for one in self.spectra])
-        parts = np.split(moves[: ends[-1]], ends[:-1])
+        moves = (jacobian @ full)[:, : len(self.free)] * self.residuals(solution.vector)[:, None]
+        parts = self.by_spectrum(moves[: self._owner.size])
         readings: dict[tuple[float, str, bytes], list[int]] = {}
         for number, one in enumerate(self.spectra):
             if one.spectrum.quantity in ORDINATES:
@@ -275,7 +279,7 @@ class FilmProblem:
 
     def _inverse(self, solution: FilmSolution) -> tuple[np.ndarray, np.ndarray]:
         """Covariance of everything that is fitted, and the residuals' derivatives."""
-        jacobian = self.jacobian(np.concatenate([solution.position, solution.errors.ravel()]))
+        jacobian = self.jacobian(solution.vector)
         values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
         return (vectors / np.maximum(values, _FLAT)) @ vectors.T, jacobian
 

@@ -140,58 +140,51 @@ def _distinct(minima: Sequence[FilmSolution]) -> list[FilmSolution]:
 def intervals(fit: FilmFit) -> tuple[FilmFit, list[tuple[float, float]]]:
     """Ends of the 95 % intervals of the free numbers, where the profile of the cost tells."""
     for _ in range(_ROUNDS):
+        better: list[FilmSolution] = []  # than the best so far
         spreads = np.sqrt(np.diag(fit.problem.covariance(fit.best)))
-        profile = _Profile(fit)
         ends = [
-            (profile.end(number, -1, spread), profile.end(number, 1, spread))
+            (_end(fit, number, -1, spread, better), _end(fit, number, 1, spread, better))
             for number, spread in enumerate(spreads)
         ]
-        if profile.better is None:
+        if not better:
             break
-        minima = [profile.better, fit.best, *(one for one, _ in fit.rivals)]
-        number = fit.problem.determined_numbers(profile.better)
-        fit = _fit(fit.problem, _refit(fit.problem, minima), fit.scatter, number)
+        least = min(better, key=lambda one: one.cost)
+        minima = _refit(fit.problem, [least, fit.best, *(one for one, _ in fit.rivals)])
+        fit = _fit(fit.problem, minima, fit.scatter, fit.problem.determined_numbers(least))
     return fit, ends
 
 
-class _Profile:
-    """The least cost with one number held."""
+def _end(fit: FilmFit, number: int, sign: int, spread: float, better: list[FilmSolution]) -> float:
+    """Where the least cost with a number held is as high as at the end of its interval."""
+    best, limit = fit.best.position[number], 1.0 if sign > 0 else 0.0
 
-    def __init__(self, fit: FilmFit):
-        self._fit = fit
-        self.better: FilmSolution | None = None
+    def excess(at: float, near: FilmSolution) -> tuple[float, FilmSolution]:
+        inside = _inside(near.position)
+        inside[number] = at
+        found = fit.problem.minimise(inside, near.errors, held={number: at})
+        more = found.cost - fit.best.cost
+        if more < -_BETTER:
+            better.append(found)
+        return float(np.sqrt(max(more, 0.0))) - fit.factor, found
 
-    def _excess(self, number: int, at: float, near: FilmSolution) -> tuple[float, FilmSolution]:
-        start = near.position.copy()
-        start[number] = at
-        inside = _inside(start)
-        inside[number] = start[number]
-        found = self._fit.problem.minimise(inside, near.errors, held={number: at})
-        excess = found.cost - self._fit.best.cost
-        if excess < -_BETTER and (self.better is None or found.cost < self.better.cost):
-            self.better = found
-        return float(np.sqrt(max(excess, 0.0))) - self._fit.factor, found
-
-    def end(self, number: int, sign: int, spread: float) -> float:
-        best, limit = self._fit.best.position[number], 1.0 if sign > 0 else 0.0
-        inner, within, near = best, -self._fit.factor, self._fit.best
-        reach = max(self._fit.factor * spread, _LEAST_REACH)
-        for _ in range(_STEPS):
-            outer = float(np.clip(best + sign * reach, 0.0, 1.0))
-            beyond, found = self._excess(number, outer, near)
-            if beyond >= 0.0:
-                break
-            if outer == limit:
-                return limit
-            inner, within, near, reach = outer, beyond, found, _GROWTH * reach
-        for _ in range(_REFINEMENTS):
-            # the root of the cost is nearly linear in the number
-            middle = inner - within * (outer - inner) / (beyond - within)
-            excess, found = self._excess(number, middle, near)
-            if abs(excess) < _FINE:
-                return float(middle)
-            if excess >= 0.0:
-                outer, beyond = middle, excess
-            else:
-                inner, within, near = middle, excess, found
-        return float(0.5 * (inner + outer))
+    inner, within, near = best, -fit.factor, fit.best
+    reach = max(fit.factor * spread, _LEAST_REACH)
+    for _ in range(_STEPS):
+        outer = float(np.clip(best + sign * reach, 0.0, 1.0))
+        beyond, found = excess(outer, near)
+        if beyond >= 0.0:
+            break
+        if outer == limit:
+            return limit
+        inner, within, near, reach = outer, beyond, found, _GROWTH * reach
+    for _ in range(_REFINEMENTS):
+        # the root of the cost is nearly linear in the number
+        middle = inner - within * (outer - inner) / (beyond - within)
+        there, found = excess(middle, near)
+        if abs(there) < _FINE:
+            return float(middle)
+        if there >= 0.0:
+            outer, beyond = middle, there
+        else:
+            inner, within, near = middle, there, found
+    return float(0.5 * (inner + outer))

@@ -8,13 +8,8 @@ from scipy.integrate import quad
 import lightflyer as lf
 from lightflyer.core.errors import Doubt
 from lightflyer.lab.ftir.means import planck_weights, uncovered_power
-from lightflyer.lab.ftir.reduction import (
-    BAND,
-    DEFAULT_ACCURACY,
-    reduce_ftir,
-    to_dataset,
-)
-from lightflyer.lab.readers.spectrum_data import MeasuredSpectrum, read_spectrum
+from lightflyer.lab.ftir.reduction import BAND, DEFAULT_ACCURACY, reduce_ftir, to_dataset
+from lightflyer.lab.readers.spectrum_data import MeasuredSpectrum
 
 PER_CM = 100.0
 C2 = 0.01438776877  # second radiation constant [m K], CODATA 2018
@@ -225,138 +220,6 @@ def test_what_is_not_covered_is_said():
     with pytest.raises(lf.ParameterError, match="has no data in the band from 500 to 1300"):
         reduce_ftir([spectrum(np.linspace(2000.0, 4000.0, 9) * PER_CM, 0.5)])
     assert BAND == (50000.0, 130000.0)
-
-
-# The same seven ordinates in every form of JCAMP-DX, coded by hand after the rules of the standard:
-# R. S. McDonald, P. A. Wilks, Appl. Spectrosc. 42, 151 (1988).
-FORMS = {
-    "fix": "400 1000 2000 2001 2002 2003 2003 2003",
-    "packed": "400+1000+2000+2001+2002+2003+2003+2003",
-    "squeezed": "400A000B000B001B002B003B003B003",
-    "difference": "400A000J000JJJ%%",
-    "duplicate": "400A000J000JU%T",
-}
-HEADER = """\
-##TITLE=ordinates of the standard's example
-##JCAMP-DX=4.24
-##DATA TYPE=INFRARED SPECTRUM
-##XUNITS=1/CM
-##YUNITS={yunits}
-##XFACTOR=1.0
-##YFACTOR=0.0001
-##FIRSTX=400
-##LASTX=406
-##NPOINTS=7
-##XYDATA=(X++(Y..Y))
-"""
-
-
-@pytest.mark.parametrize("form", FORMS.values(), ids=FORMS)
-def test_every_form_of_jcamp(form, write):
-    text = HEADER.format(yunits="TRANSMITTANCE") + form + "\n##END=\n"
-    found = read_spectrum(write(text, "spectrum.jdx"))
-    np.testing.assert_allclose(found.wavenumber, np.arange(400.0, 407.0) * PER_CM)
-    np.testing.assert_allclose(
-        found.value, np.array([1000, 2000, 2001, 2002, 2003, 2003, 2003]) * 1e-4
-    )
-
-
-# As the NIST Chemistry WebBook writes its infrared spectra: absorbance, wavelength or wavenumber
-# falling, comments after the label of the table.
-NIST = """\
-##TITLE=POLYMER
-##JCAMP-DX=4.24
-##DATA TYPE=INFRARED SPECTRUM
-##ORIGIN=NIST style
-$$ comment
-##XUNITS=MICROMETERS
-##YUNITS=ABSORBANCE
-##XFACTOR=1.000000
-##YFACTOR=0.001
-##NPOINTS=3
-##XYPOINTS=(XY..XY) $$ pairs
-10.0, 301.0
-12.5, 1000.0
-20.0, 0.0
-##END=
-"""
-
-
-def test_jcamp_of_absorbance_over_wavelength(write):
-    found = read_spectrum(write(NIST, "spectrum.jdx"))
-    np.testing.assert_allclose(found.wavenumber, [5e4, 8e4, 1e5])
-    np.testing.assert_allclose(found.value, [1.0, 0.1, 10.0**-0.301])
-
-
-TABLES = {
-    "per centimetre": "wavenumber [cm^-1],transmittance\n1000,0.8\n2000,0.9\n",
-    "micrometres": "Wavelength (µm);Transmittance (%)\n10,0;80,0\n5,0;90,0\n",
-    "spectrometer": "instrument X\ncm-1,%T\n2000,90\n1000,80\n",
-    "absorbance": "wavelength [um] absorbance\n10 0.0969100130\n5 0.0457574906\n",
-}
-
-
-@pytest.mark.parametrize("text", TABLES.values(), ids=TABLES)
-def test_tables(text, write):
-    found = read_spectrum(write(text, "s.csv"))
-    np.testing.assert_allclose(found.wavenumber, [1e5, 2e5])
-    np.testing.assert_allclose(found.value, [0.8, 0.9])
-
-
-def test_table_without_header(write):
-    path = write("1000 80\n2000 90\n", "s.txt")
-    found = read_spectrum(path, columns="wavenumber [cm^-1], transmittance [%]")
-    np.testing.assert_allclose(found.value, [0.8, 0.9])
-
-
-GOOD = HEADER.format(yunits="TRANSMITTANCE") + FORMS["fix"] + "\n##END=\n"
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "says"),
-    [
-        ("s.jws", b"", "is damaged or not JASCO .jws"),
-        ("s.jdx", b"", ":1: is not JCAMP-DX"),
-        ("s.jdx", b"\x00\xff" * 50, ":1: is not JCAMP-DX"),
-        ("s.jdx", GOOD.replace("##END=\n", ""), ":12: ends without ##END="),
-        ("s.jdx", GOOD.replace(" 2003\n", "\n"), "is damaged"),
-        ("s.jdx", GOOD.replace("NPOINTS=7", "NPOINTS=99999999999"), ":10: ##NPOINTS="),
-        ("s.jdx", GOOD.replace("NPOINTS=7", "NPOINTS=x"), ":10: ##NPOINTS="),
-        ("s.jdx", GOOD.replace("1/CM", "HERTZ"), 'abscissa "HERTZ" is not known'),
-        (
-            "s.jdx",
-            GOOD.replace("TRANSMITTANCE", "COUNTS"),
-            'shows "COUNTS", which is not known',
-        ),
-        (
-            "s.jdx",
-            GOOD.replace("0.0001", "0.1"),
-            "transmittance = 2 at 401 cm^-1 is not between -0.2 and 1.5",
-        ),
-        ("s.jdx", HEADER.split("##XYDATA")[0] + "##END=\n", "contains no spectrum"),
-        (
-            "s.csv",
-            "wavenumber [cm^-1],transmittance\n1000,800\n2000,9\n",
-            ":2: transmittance = 800",
-        ),
-        ("s.csv", "wavenumber [cm^-1],transmittance\n1000,0.8\n", "has 1 wavenumber"),
-        ("s.csv", "wavenumber [cm^-1]\n1000\n", "needs one of the columns transmittance"),
-        (
-            "s.csv",
-            "transmittance\n0.8\n",
-            "needs one column wavenumber, wavelength or photon_energy",
-        ),
-        ("s.csv", "wavenumber,transmittance\n1000,0.8\n", "wavenumber has no unit"),
-    ],
-)
-def test_one_clear_line_for_each_mistake(name, content, says, write):
-    path = write(content, name)
-    with pytest.raises(lf.ConfigurationError) as error:
-        read_spectrum(path)
-    message = str(error.value)
-    assert message.startswith(str(path))
-    assert says in message
-    assert "\n" not in message
 
 
 def test_half_a_band_is_not_named_as_the_whole():

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import re
 import struct
 import sys
 from pathlib import Path
@@ -368,6 +369,13 @@ def test_jcamp_units_and_labels():
 @pytest.mark.parametrize(
     ("text", "says"),
     [
+        ("", ":1: is not JCAMP-DX"),
+        ("\0ÿ" * 50, ":1: is not JCAMP-DX"),
+        (jdx().replace("##END=\n", ""), ":16: ends without ##END="),
+        (HEAD.split("##XYDATA")[0] + "##END=\n", "contains no spectrum"),
+        (jdx(NPOINTS="99999999999"), ":10: ##NPOINTS="),
+        (jdx(NPOINTS="x"), ":10: ##NPOINTS="),
+        (jdx(yunits="COUNTS"), 'shows "COUNTS", which is not known'),
         (jdx(NPOINTS="24"), "##NPOINTS= 24, but its table has 25 points"),
         (jdx(FIRSTX="4300"), "a line starts at 4000, where the ends and the number of points say"),
         (jdx(LASTX="800"), "a line starts at"),
@@ -396,6 +404,17 @@ def test_jcamp_that_is_no_spectrum_or_damaged(text, says):
         found = read("s.dx", text)
         assert found.quantity == "reflectance"
         same(found, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    "row",
+    ["400 1000 2000 2001 2002 2003 2003 2003", "400+1000+2000+2001+2002+2003+2003+2003",
+     "400A000B000B001B002B003B003B003", "400A000J000JJJ%%", "400A000J000JU%T"],
+)  # fmt: skip
+def test_seven_ordinates_in_every_form(row):
+    """Coded by hand: R. S. McDonald, P. A. Wilks, Appl. Spectrosc. 42, 151 (1988)."""
+    expected = [1000.0, 2000.0, 2001.0, 2002.0, 2003.0, 2003.0, 2003.0]
+    assert read_rows([row]).ordinate.tolist() == expected
 
 
 def test_missing_ordinates_of_jcamp_are_left_out():
@@ -440,6 +459,38 @@ def test_per_cent_that_is_not_marked_is_read_by_value():
     assert "is not between -0.2 and 1.5" in fault("s.dx", jdx(unclear), scale="1")
 
 
+@pytest.mark.parametrize(
+    ("text", "columns"),
+    [
+        ("wavenumber [cm^-1],transmittance\n1000,0.8\n2000,0.9\n", None),
+        ("Wavelength (µm);Transmittance (%)\n10,0;80,0\n5,0;90,0\n", None),
+        ("instrument X\ncm-1,%T\n2000,90\n1000,80\n", None),
+        ("wavelength [um] absorbance\n10 0.0969100130\n5 0.0457574906\n", None),
+        ("1000 80\n2000 90\n", "wavenumber [cm^-1], transmittance [%]"),
+    ],
+)
+def test_tables(text, columns, write):
+    found = read_spectrum(write(text, "s.csv"), columns=columns)
+    np.testing.assert_allclose(found.wavenumber, [1e5, 2e5])
+    np.testing.assert_allclose(found.value, [0.8, 0.9])
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("wavenumber [cm^-1],transmittance\n1000,800\n2000,9\n", ":2: transmittance = 800"),
+        ("wavenumber [cm^-1],transmittance\n1000,0.8\n", "has 1 wavenumber"),
+        ("wavenumber [cm^-1]\n1000\n", "needs one of the columns transmittance"),
+        ("transmittance\n0.8\n", "needs one column wavenumber, wavelength or photon_energy"),
+        ("wavenumber,transmittance\n1000,0.8\n", "wavenumber has no unit"),
+    ],
+)
+def test_tables_that_are_no_spectrum(text, says, write):
+    path = write(text, "s.csv")
+    with pytest.raises(lf.ConfigurationError, match=rf"^{re.escape(str(path))}.*{says}"):
+        read_spectrum(path)
+
+
 def test_table_in_per_cent_without_the_mark(tmp_path):
     path = tmp_path / "s.csv"
     path.write_text("wavelength [nm],transmittance\n500,80\n1000,70\n")
@@ -479,7 +530,7 @@ def test_ends_without_light_are_left_out():
     rows = "\n".join(f"{x:.3f}, {y}" for x, y in zip(grid, value, strict=True))
     head = HEAD.format(title="", xunits="1/CM", yunits="TRANSMITTANCE").replace("1e-06", "1")
     head = head.replace("NPOINTS=25", "NPOINTS=200").replace(
-        "XYDATA=(X++(Y..Y))", "XYPOINTS=(XY..XY)"
+        "XYDATA=(X++(Y..Y))", "XYPOINTS=(XY..XY) $$ pairs"
     )
     found = read("s.dx", f"{head}{rows}\n##END=\n", scale="1")
     assert found.value.max() == 0.5
@@ -514,6 +565,7 @@ def test_what_the_reflectance_leaves_out_is_said():
 
 
 def test_options_and_missing_packages(monkeypatch):
+    assert "is damaged or not JASCO .jws" in fault("s.jws", b"")
     with pytest.raises(lf.ParameterError, match='collection "sphere" is not one of specular'):
         read_spectrum(SAMPLES / "opus.0", collection="sphere")
     assert "shows transmittance, not reflectance" in fault("s.dx", jdx(), quantity="reflectance")
@@ -570,11 +622,6 @@ def test_damage_gives_one_line_or_a_spectrum(name):
         assert np.all(np.diff(found.wavenumber) > 0.0), number
         assert np.isfinite(found.wavelength).all(), number
     assert all(text.startswith(name) and text.isprintable() for text in said)
-
-
-def test_rows_of_differences_and_repeats():
-    expected = [1000.0, 2000.0, 2001.0, 2002.0, 2003.0, 2003.0, 2003.0]
-    assert read_rows(["400A000J000JU%T"]).ordinate.tolist() == expected
 
 
 def test_last_digits():

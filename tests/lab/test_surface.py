@@ -1,19 +1,12 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy import ndimage, stats
 
 import lightflyer as lf
 from lightflyer.lab.readers.height_map import HeightMap, read_height_map
 from lightflyer.lab.surface.heights import find_particles, flatten_rows, level
 from lightflyer.lab.surface.reduction import roughness, summary, surface_parameters
-from lightflyer.lab.synthetic.spectra import (
-    igor_wave,
-    random_surface,
-    roughness_files,
-    with_particles,
-)
+from lightflyer.lab.synthetic.spectra import random_surface, roughness_files, with_particles
 
 SIDE = 10e-6
 
@@ -250,96 +243,9 @@ def test_intervals_are_of_the_surface_of_which_a_map_is_a_part(width):
     assert np.sqrt(np.mean(np.square(errors))) < 1.6
 
 
-def test_formats_agree(tmp_path, rng, write):
-    height = random_surface(rng, pixels=32) + 1e-6
-    igor = read_height_map(write(igor_wave(height, SIDE, "note"), "map.ibw"))
-    np.testing.assert_allclose(igor.height, height, rtol=1e-6)
-    assert igor.channel == "HeightRetrace"
-    assert (igor.width, igor.length) == pytest.approx((SIDE, SIDE))
-    with pytest.raises(lf.ConfigurationError, match="is not a height"):
-        read_height_map(tmp_path / "map.ibw", channel="amplituderetrace")
-    for delimiter, comma in ((",", False), ("\t", True), (" ", False), (";", True)):
-        text = "\n".join(delimiter.join(f"{1e9 * v:.6f}" for v in row) for row in height)
-        text = text.replace(".", ",") if comma else text
-        found = read_height_map(write(text, "map.txt"), size=SIDE, unit="nm")
-        np.testing.assert_allclose(found.height, height, rtol=1e-6)
-    with pytest.raises(lf.ConfigurationError, match="choose one by --channel: HeightRetrace"):
-        read_height_map(tmp_path / "map.ibw", channel="phase")
-
-
 def test_example_files_are_read(write):
     for name, content in roughness_files(1).items():
         found = read_height_map(write(content, name))
         assert found.height.shape == (256, 256)
         assert (found.width, found.length) == pytest.approx((SIDE, SIDE))
         assert surface_parameters(level(found.height))[0] > 34e-9  # with its particles
-
-
-NOTHING = "\n".join(["nan " * 20] * 20)
-ROWS = "\n".join(["1 2 3 4"] * 4)
-HEAD = "# Value units: m\n# Width: 1 um\n"
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "says"),
-    [
-        ("m.txt", "", "is empty"),
-        ("m.txt", b"\x00\xff\xfe", "is not a text file"),
-        ("m.txt", ROWS, "heights have no unit"),
-        ("m.txt", "# Value units: m\n" + ROWS, "has no width"),
-        ("m.txt", f"# Channel: Phase\n{HEAD}{NOTHING}", "is not a height"),
-        ("m.txt", "# Value units: W\n# Width: 1 um\n" + ROWS, "wrong kind"),
-        ("m.txt", HEAD + ROWS, "has 4 x 4 pixels"),
-        ("m.txt", ROWS + "\n1 2 x 4", ':5: "x" is not a number'),
-        ("m.txt", HEAD + "\n".join(["1 " * 20] * 20), "height of 1 m"),
-        ("m.txt", ROWS + "\n1 2 3", ":5: has 3 heights, the first row has 4"),
-        ("m.txt", HEAD + NOTHING, "400 of its"),
-        (
-            "m.txt",
-            HEAD.replace("units: m", "units: nm") + "\n".join(["1e-8 2e-8 " * 10] * 20),
-            "all heights are within 1e-17 m; atoms are larger, the unit is wrong",
-        ),
-        ("m.ibw", b"", "cannot be read as an Igor file"),
-        ("m.ibw", b"\x05\x00" + b"\x7f" * 500, "cannot be read as an Igor file"),
-        ("m.gwy", b"", "cannot be read as a Gwyddion file"),
-        (
-            "m.gwy",
-            b"GWYPGwyContainer\x00\xff\xff",
-            "cannot be read as a Gwyddion file: it is damaged",
-        ),
-    ],
-)
-def test_one_clear_line_for_each_mistake(name, content, says, write):
-    path = write(content, name)
-    with pytest.raises(lf.ConfigurationError) as error:
-        read_height_map(path)
-    message = str(error.value)
-    assert message.startswith(str(path))
-    assert says in message
-    assert "\n" not in message
-    assert "Error(" not in message
-
-
-SMALL = np.arange(400.0).reshape(20, 20) * 1e-9
-IGOR = igor_wave(SMALL, SIDE, "note")
-GWYDDION = roughness_files(0)["germanium.gwy"]
-
-
-@settings(max_examples=60, deadline=None)
-@given(data=st.data())
-def test_no_map_gives_a_traceback(tmp_path_factory, data):
-    name, whole = data.draw(st.sampled_from([("m.ibw", IGOR), ("m.gwy", GWYDDION)]))
-    content = bytearray(whole)
-    for _ in range(data.draw(st.integers(1, 4))):
-        at = data.draw(st.integers(0, min(len(content), 600) - 1))
-        content[at : at + data.draw(st.integers(0, 4))] = data.draw(st.binary(max_size=4))
-    path = tmp_path_factory.getbasetemp() / name
-    path.write_bytes(content[: data.draw(st.sampled_from([len(content), 300, 600]))])
-    try:
-        found = read_height_map(path)
-    except lf.ConfigurationError as error:
-        said = str(error)
-        assert said.startswith(str(path))
-        assert "\n" not in said
-        return
-    assert np.isfinite(found.height).all()

@@ -200,29 +200,6 @@ def shifted(run, pressure=1.0, zero=0.0, power=1.0):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "size", "change", "diameter"),
-    [
-        ("gauge", 0.05, {"pressure": 1.005}, DIAMETER),
-        ("gauge_zero", 0.1, {"zero": 0.01}, DIAMETER),
-        ("power", 0.1, {"power": 1.01}, DIAMETER),
-        ("diameter", 1e-3, {}, DIAMETER + 1e-4),
-    ],
-)
-def test_common_errors_propagate_as_finite_differences(exact_law, name, size, change, diameter):
-    """Total variance is that of the scatter and of each error's effect on the fitted values."""
-    accuracy = TacAccuracy(**dict.fromkeys(EXACT.__dict__, 0.0) | {name: size})
-    run = independent_run(60, 0.02, np.random.default_rng(1), lowest=0.01)
-    fit = tac.fit_tac(run, accuracy=accuracy, **OPTIONS)
-    plain = tac.fit_tac(run, accuracy=EXACT, **OPTIONS)
-    moved = tac.fit_tac(shifted(run, **change), accuracy=EXACT, **OPTIONS | {"diameter": diameter})
-    # each change above is a tenth of the accuracy
-    effect = 10.0 * (np.array(values_of(moved)) - values_of(plain))
-    common = np.diag(fit.covariance) - np.diag(plain.covariance)
-    tolerance = 0.25 * effect**2 + 0.1 * np.diag(plain.covariance)
-    assert np.all(np.abs(common - effect**2) < tolerance), (common, effect**2)
-
-
 def test_gauge_error_is_within_the_interval(rng):
     run = shifted(independent_run(60, 0.01, rng), pressure=1.09)
     assert not _covers(tac.fit_tac(run, accuracy=EXACT, **OPTIONS).tac, TRUTH[0])

@@ -223,6 +223,9 @@ def picture():
         ("a.is2", b"", "Fluke's own format; export CSV"),
         ("a.jpg", b"\xff\xd8\xff\xe1\0\x08DJIxxx", "it has no FLIR data; DJI's own format needs"),
         ("a.fff", b"FFF\0" + bytes(60), "unknown version"),
+        ("a.jpg", b"", "is not a radiometric FLIR image"),
+        ("a.jpg", b"\xff\xd8\xff\xe0" + bytes(40), "is not a radiometric FLIR image"),
+        ("a.jpg", b"text", "is not a radiometric FLIR image"),
     ],
 )
 def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):

@@ -18,7 +18,7 @@ class Ring(lf.AbstractFlyer):
 
     @staticmethod
     def contradiction(outer, inner):
-        return None if inner < outer else "inner must be smaller than outer"
+        yield inner >= outer, "inner must be smaller than outer"
 
     @property
     def area(self):  # of one face [m²]

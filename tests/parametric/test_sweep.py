@@ -2,6 +2,7 @@
 
 import itertools
 import pickle
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -186,6 +187,17 @@ def test_samples_share_a_dimension_and_one_value_is_none(flyer):
     )
     expected = lf.lift(lf.Disk(film, 0.01), lf.lu2023_earth().state(72e3), lf.Lu2023())
     assert float(design.lift) == pytest.approx(float(expected), rel=1e-9)
+
+
+@pytest.mark.parametrize("few", [9, 0])
+def test_designs_whose_numbers_contradict_each_other_have_no_value(few, monkeypatch):
+    monkeypatch.setattr("lightflyer.compute.evaluation.FEW", few)
+    plate = lf.read_flyer_file(str(files("lightflyer") / "data" / "flyer-plate.toml"))
+    sides = [100e-6, 400e-6, 700e-6]
+    over = {"flyer.channel_width": sides, "flyer.channel_length": sides, "pressure": "10 Pa"}
+    lift = lf.sweep(plate, over=over, outputs=["lift"]).lift.squeeze()
+    is_long = np.less_equal.outer(sides, sides)  # a channel's long side beside its short one
+    np.testing.assert_array_equal(np.isfinite(lift), is_long)
 
 
 def test_bands_over_diameter(flyer):

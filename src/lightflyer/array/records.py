@@ -177,15 +177,24 @@ class _ModuleType(ABCMeta):
         finally:
             _in_making.discard(id(made))
         values = vars(made)
+        if cls._has_own_init:  # type: ignore[attr-defined]
+            lost = values.keys() - {*cls._fixed, *cls._parts}  # type: ignore[attr-defined]
+            if lost := {name for name in lost if "." not in name}:  # no kept properties
+                raise TypeError(
+                    f"{cls.__name__} sets {', '.join(sorted(lost))}, which is no field; write "
+                    f"{min(lost)}: float, or what it is, in the body of the class"
+                )
         for name, converter in cls._converters:  # type: ignore[attr-defined]
             values[name] = converter(values[name])
         if call.depth:  # what a public function makes of checked numbers
             if is_loaded():
                 values.update({name: as_numpy(value) for name, value in values.items()})
-            return made
+            if not call.blanks:
+                return made
+        name = "__blank_init__" if call.blanks else "__check_init__"
         for kind in cls.__mro__:
-            if "__check_init__" in vars(kind):
-                vars(kind)["__check_init__"](made)
+            if name in vars(kind):
+                vars(kind)[name](made)
         return made
 
     @property
@@ -287,7 +296,8 @@ class Module(metaclass=_ModuleType):
     """A record that does not change, and is a pytree.
 
     Subclasses list fields as a dataclass does. ``__check_init__`` of each class is called when a
-    record has been made, and may raise.
+    record has been made, and may raise; in its place ``__blank_init__`` where impossible numbers
+    become NaN.
     """
 
     def __setattr__(self, name: str, value: Any) -> None:

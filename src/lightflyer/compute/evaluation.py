@@ -295,7 +295,9 @@ def _outputs_of_one(
 
     def one(values: Any, prepared: Any) -> Any:
         given = fixed | values
-        return evaluate(design.build(given, prepared), names, given.get(coordinate))
+        with impossible_as_nan():
+            setup = design.build(given, prepared)
+        return evaluate(setup, names, given.get(coordinate))
 
     return one
 

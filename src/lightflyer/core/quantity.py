@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 from functools import cache, partial, reduce
 from pathlib import Path
 from types import NoneType
-from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias, get_args, get_origin
 
 import numpy as np
 import pydantic
@@ -384,6 +384,9 @@ def impossible_as_nan() -> Iterator[None]:
             call.blanks = before
 
 
+Contradictions: TypeAlias = Iterator[tuple[Any, str]]
+"""Where numbers contradict each other, and how."""
+
 Shapes = Mapping[str, tuple[int, ...]]
 
 
@@ -437,11 +440,12 @@ class Checked(Module):
             given = {} if default is _MISSING else {"default": default}
             setattr(cls, name, field(converter=converter, **given))
 
-    contradiction: ClassVar[Callable[..., str | None] | None] = None
-    """How numbers that are possible each by itself contradict each other, in words, or None.
+    contradiction: ClassVar[Callable[..., Contradictions | str | None] | None] = None
+    """How numbers that are possible each by itself contradict each other.
 
-    A function whose parameters are names of fields. It is asked about concrete numbers only, of
-    objects and of sections of a file.
+    A function whose parameters are names of fields, of objects and of sections of a file. It gives
+    where they do, an array or one truth, and words, for one contradiction after the other; of what
+    varies in no sweep, words alone or None.
     """
 
     def __check_init__(self) -> None:
@@ -456,6 +460,17 @@ class Checked(Module):
         if problem:
             raise ParameterError(problem)
 
+    def __blank_init__(self) -> None:
+        """Make numbers NaN where they contradict each other."""
+        rule, known = type(self).contradiction, quantities_of(type(self))
+        if rule is None or not inspect.isgeneratorfunction(rule):
+            return
+        values = {name: getattr(self, name) for name in _parameters(rule)}
+        name = next(name for name, value in values.items() if name in known and value is not None)
+        for wrong, _ in rule(**values):
+            if wrong is not False:
+                vars(self)[name] = xp.where(wrong, np.nan, vars(self)[name])
+
 
 def contradiction_in(kind: type | None, value_of: Callable[[str], Any]) -> str | None:
     """How numbers contradict each other by the rule of a class, or None."""
@@ -465,7 +480,10 @@ def contradiction_in(kind: type | None, value_of: Callable[[str], Any]) -> str |
     values = {name: value_of(name) for name in _parameters(rule)}
     numbers = (values.get(name) for name in quantities_of(kind))
     concrete = is_concrete(*(number for number in numbers if number is not None))
-    return rule(**values) if concrete else None
+    found = rule(**values) if concrete else None
+    if isinstance(found, str | None):
+        return found
+    return next((words for wrong, words in found if np.any(wrong)), None)
 
 
 @cache

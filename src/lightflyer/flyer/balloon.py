@@ -8,7 +8,7 @@ import numpy as np
 from lightflyer.array import tree
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.core import constants
-from lightflyer.core.quantity import Distance, Length, Mass, MolarMass, Tension
+from lightflyer.core.quantity import Contradictions, Distance, Length, Mass, MolarMass, Tension
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
@@ -97,13 +97,12 @@ class Balloon(AbstractRoundFlyer):
     @staticmethod
     def contradiction(
         radius: Numeric, opening_radius: Numeric, gas_mass: Numeric | None
-    ) -> str | None:
-        """How numbers contradict each other, or None."""
-        if np.any(np.asarray(opening_radius) >= radius):
-            return "the opening must be smaller than the balloon"
-        if gas_mass is not None and np.any(np.asarray(opening_radius) > 0.0):
-            return "a closed balloon, which has a gas_mass, has no opening"
-        return None
+    ) -> Contradictions:
+        """How numbers contradict each other."""
+        yield opening_radius >= radius, "the opening must be smaller than the balloon"
+        if gas_mass is not None:
+            closed = "a closed balloon, which has a gas_mass, has no opening"
+            yield opening_radius > 0.0, closed
 
     @property
     def open_share(self) -> Numeric:

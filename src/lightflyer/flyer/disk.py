@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal
 
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import field
-from lightflyer.core.quantity import Distance, Mass, Radius
+from lightflyer.core.quantity import Contradictions, Distance, Mass, Radius
 from lightflyer.environment.base import EnvironmentState
 from lightflyer.environment.radiation import Attitude
 from lightflyer.files.section import DIAMETER, Spelling
@@ -48,7 +48,7 @@ class Disk(AbstractThinFlyer):
     lifted_by: ClassVar[str] = "gas that leaves its bottom face with more energy than its top"
     drag_law: ClassVar[str] = "of a thin disk by the kinetic equation, with inertia"
 
-    contradiction: ClassVar[Callable[..., str | None]] = staticmethod(hangs_wrongly)
+    contradiction: ClassVar[Callable[..., Contradictions]] = staticmethod(hangs_wrongly)
 
     film: FilmProperties
     radius: Radius

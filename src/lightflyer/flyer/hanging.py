@@ -4,9 +4,8 @@ import math
 from functools import reduce
 from typing import Literal, NamedTuple, TypeAlias
 
-import numpy as np
-
 from lightflyer.array.namespace import Array, Numeric, xp
+from lightflyer.core.quantity import Contradictions
 from lightflyer.structure.plates import (
     free_plate_profile,
     load_curvatures,
@@ -28,16 +27,19 @@ Hanging: TypeAlias = Literal["circle", "three points"]
 THREE_POINTS: Hanging = "three points"
 
 
-def hangs_wrongly(radius: Numeric, hanging_radius: Numeric | None, hanging: Hanging) -> str | None:
-    """What is wrong with how a payload hangs, in words, or None."""
+def hangs_wrongly(
+    radius: Numeric, hanging_radius: Numeric | None, hanging: Hanging
+) -> Contradictions:
+    """What is wrong with the points from which a payload hangs."""
     if hanging_radius is None:
         needs = "three points are on a circle: give its hanging_radius"
-        return needs if hanging == THREE_POINTS else None
-    if np.any(np.asarray(hanging_radius) >= radius):
-        return "hanging_radius must be smaller than the flyer's radius"
-    if hanging == THREE_POINTS and np.any(np.asarray(hanging_radius) <= HOLD * np.asarray(radius)):
-        return f"three points need a hanging_radius above {HOLD:g} of the flyer's radius"
-    return None
+        yield hanging == THREE_POINTS, needs
+        return
+    outside = hanging_radius >= radius
+    yield outside, "hanging_radius must be smaller than the flyer's radius"
+    if hanging == THREE_POINTS:
+        least = f"three points need a hanging_radius above {HOLD:g} of the flyer's radius"
+        yield hanging_radius <= HOLD * radius, least
 
 
 class Held(NamedTuple):

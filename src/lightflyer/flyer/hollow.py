@@ -1,5 +1,6 @@
 """Hollow bodies with a wall full of channels, which pumps gas in, and an outlet for the jet."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
@@ -10,6 +11,7 @@ from lightflyer.array.records import field
 from lightflyer.core.quantity import (
     Coefficient,
     Conductivity,
+    Contradictions,
     Density,
     Length,
     Mass,
@@ -100,7 +102,9 @@ class HollowBody(AbstractClosedFlyer):
 
     nodes: ClassVar[tuple[str, ...]] = ("inner", "outer")
     held_pressure: ClassVar[str] = "pressure_difference"
-    lifted_by: ClassVar[str] = "a jet of the gas that its wall draws in towards the warmer film"
+    lifted_by: ClassVar[str] = (
+        "a jet of the gas that its wall draws in, and by the warmer gas inside"
+    )
     drag_law: ClassVar[str] = "of a closed body by its surface and Cunningham's law, with inertia"
 
     outer: FilmProperties
@@ -128,30 +132,27 @@ class HollowBody(AbstractClosedFlyer):
         wall_thickness: Numeric,
         sheet_thickness: Numeric,
         channel_aspect: Numeric,
-    ) -> str | None:
-        """How sizes contradict each other, or None."""
-        body = np.asarray(outlet_radius if form == "rocket" else 0.5 * np.asarray(size))
-        sheet = np.asarray(sheet_thickness)
-        lined = (1.0 + 2.0 * sheet / channel_width) * (
-            1.0 + 2.0 * sheet / (np.asarray(channel_aspect) * channel_width)
-        )
-        found = (
-            (form != "rocket" and np.any(np.asarray(outlet_radius) >= body),
-             f"the outlet must be smaller than the {form}"),
-            (np.any(np.asarray(open_fraction) <= 0.0),
+    ) -> Contradictions:
+        """How sizes contradict each other."""
+        body = outlet_radius if form == "rocket" else 0.5 * size
+        sides = channel_width, channel_aspect * channel_width
+        lined = math.prod(1.0 + 2.0 * sheet_thickness / side for side in sides)
+        if form != "rocket":
+            yield outlet_radius >= body, f"the outlet must be smaller than the {form}"
+        yield from (
+            (open_fraction <= 0.0,
              "open_fraction must be positive: gas flows through the wall's channels"),
-            (np.any(np.asarray(channel_aspect) < 1.0),
+            (channel_aspect < 1.0,
              "channel_aspect must be 1 at least: it is the longer side over the shorter"),
-            (np.any(np.asarray(wall_thickness) <= 2.0 * sheet),
+            (wall_thickness <= 2.0 * sheet_thickness,
              "wall_thickness must exceed twice sheet_thickness: the wall has two faces"),
-            (np.any(np.asarray(wall_thickness) >= body),
+            (wall_thickness >= body,
              f"wall_thickness must be smaller than the radius of the {form}"),
-            (np.any(np.asarray(channel_width) * channel_aspect >= 2.0 * body),
+            (channel_width * channel_aspect >= 2.0 * body,
              f"the channels must be narrower than the {form}"),
-            (np.any(np.asarray(open_fraction) * lined > 1.0),
+            (open_fraction * lined > 1.0,
              "channels of this open_fraction and their sheets take more than the whole wall"),
         )  # fmt: skip
-        return next((text for wrong, text in found if wrong), None)
 
     @property
     def geometry(self) -> HollowForm:

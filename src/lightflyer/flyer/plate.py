@@ -10,6 +10,7 @@ from lightflyer.array.records import field
 from lightflyer.core.quantity import (
     ArealDensity,
     Conductivity,
+    Contradictions,
     Density,
     Distance,
     Length,
@@ -121,15 +122,18 @@ class Plate(AbstractThinFlyer):
         wall_thickness: Numeric,
         hanging_radius: Numeric | None,
         hanging: Hanging,
-    ) -> str | None:
-        """How sizes contradict each other, or None."""
-        if np.any(np.asarray(channel_length) < channel_width):
-            return "channel_length is the long side of a channel: at least its channel_width"
-        if np.any(np.asarray(channel_length) + spacing > 2.0 * np.asarray(radius)):
-            return "channel_length and spacing together must not exceed the plate's diameter"
-        if np.any(2.0 * np.asarray(wall_thickness) >= spacing):
-            return "wall_thickness must be less than half of spacing: neighbouring walls would meet"
-        return hangs_wrongly(radius, hanging_radius, hanging)
+    ) -> Contradictions:
+        """How sizes contradict each other."""
+        short = channel_length < channel_width
+        yield short, "channel_length is the long side of a channel: at least its channel_width"
+        wide = channel_length + spacing > 2.0 * radius
+        yield wide, "channel_length and spacing together must not exceed the plate's diameter"
+        meet = 2.0 * wall_thickness >= spacing
+        yield (
+            meet,
+            "wall_thickness must be less than half of spacing: neighbouring walls would meet",
+        )
+        yield from hangs_wrongly(radius, hanging_radius, hanging)
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:

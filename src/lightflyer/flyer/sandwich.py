@@ -9,10 +9,10 @@ import pydantic
 from lightflyer.array import tree
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import field
-from lightflyer.core.checks import is_concrete
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     Conductivity,
+    Contradictions,
     Density,
     Distance,
     Fraction,
@@ -136,15 +136,14 @@ class Sandwich(AbstractThinFlyer):
         ligaments: Ligaments | None,
         hanging_radius: Numeric | None,
         hanging: Hanging,
-    ) -> str | None:
-        """How sizes contradict each other, or None."""
-        if ligaments is not None and is_concrete(ligaments.covered):
-            support_fraction = support_fraction + np.asarray(ligaments.covered)
-        if np.any(np.asarray(hole_radius) >= radius):
-            return "hole_radius must be smaller than the radius of the sandwich"
-        if np.any(np.asarray(open_fraction) + support_fraction > 1.0):
-            return "open_fraction and support_fraction exceed 1 together; supports stand on film"
-        return hangs_wrongly(radius, hanging_radius, hanging)
+    ) -> Contradictions:
+        """How sizes contradict each other."""
+        if ligaments is not None:
+            support_fraction = support_fraction + ligaments.covered
+        yield hole_radius >= radius, "hole_radius must be smaller than the radius of the sandwich"
+        both = "open_fraction and support_fraction exceed 1 together; supports stand on film"
+        yield open_fraction + support_fraction > 1.0, both
+        yield from hangs_wrongly(radius, hanging_radius, hanging)
 
     @property
     def faces(self) -> tuple[FilmProperties, FilmProperties]:

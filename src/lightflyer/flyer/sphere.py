@@ -16,6 +16,7 @@ from lightflyer.core.quantity import (
     AccommodationCoefficient,
     Asymmetry,
     Conductivity,
+    Contradictions,
     Density,
     Distance,
     Emittance,
@@ -160,26 +161,23 @@ class Sphere(AbstractRoundFlyer):
         body_mass: Numeric | None,
         upright: Upright,
         mass_offset: Numeric | None,
-    ) -> str | None:
-        """How numbers contradict each other, or None."""
-        if (density is None) == (body_mass is None):
-            return "a sphere needs either its density or its mass"
+    ) -> Contradictions:
+        """How numbers contradict each other."""
+        neither = (density is None) == (body_mass is None)
+        yield neither, "a sphere needs either its density or its mass"
         for name, factor, share in (
             ("asymmetry", asymmetry, absorption_efficiency),
             ("infrared_asymmetry", infrared_asymmetry, emittance),
         ):
             if factor is None or share is None:
                 continue
-            if np.any(np.abs(factor) > _MOST * np.asarray(share)):
-                whole = "emittance" if share is emittance else "absorption_efficiency"
-                return (
-                    f"{name} is at most 3/4 of {whole}: no heat is released outside of the sphere"
-                )
-        if mass_offset is not None and upright != "gravity":
-            return 'mass_offset, by which gravity turns a sphere, needs upright = "gravity"'
-        if mass_offset is not None and np.any(np.asarray(mass_offset) >= radius):
-            return "mass_offset must be less than the radius"
-        return None
+            whole = "emittance" if share is emittance else "absorption_efficiency"
+            most = f"{name} is at most 3/4 of {whole}: no heat is released outside of the sphere"
+            yield abs(factor) > _MOST * share, most
+        if mass_offset is not None:
+            turns = 'mass_offset, by which gravity turns a sphere, needs upright = "gravity"'
+            yield upright != "gravity", turns
+            yield mass_offset >= radius, "mass_offset must be less than the radius"
 
     @classmethod
     def of(

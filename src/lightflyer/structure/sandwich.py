@@ -3,12 +3,10 @@
 import math
 from typing import Literal
 
-import numpy as np
-
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import field
 from lightflyer.core.entry_point import entry_point
-from lightflyer.core.quantity import Checked, Length, Modulus, Thickness
+from lightflyer.core.quantity import Checked, Contradictions, Length, Modulus, Thickness
 from lightflyer.structure.laminate import Stiffness
 
 _CLAMPED_BUCKLING = 3.831705970207512**2
@@ -47,13 +45,15 @@ class Ligaments(Checked):
     modulus: Modulus = 1.4e11  # alumina, as in data/mechanics.toml
 
     @staticmethod
-    def contradiction(spacing: Numeric, radius: Numeric, wall: Numeric) -> str | None:
-        """How sizes contradict each other, or None."""
-        if np.any(2.0 * np.asarray(radius) >= spacing):
-            return "ligaments touch each other: their spacing must exceed their diameter"
-        if np.any(np.asarray(wall) > radius):
-            return "ligaments have no room for their walls: diameter must be twice the wall or more"
-        return None
+    def contradiction(spacing: Numeric, radius: Numeric, wall: Numeric) -> Contradictions:
+        """How sizes contradict each other."""
+        touch = 2.0 * radius >= spacing
+        yield touch, "ligaments touch each other: their spacing must exceed their diameter"
+        filled = wall > radius
+        yield (
+            filled,
+            "ligaments have no room for their walls: diameter must be twice the wall or more",
+        )
 
     @property
     def number_density(self) -> Numeric:

@@ -23,6 +23,7 @@ from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import (
     Checked,
+    Contradictions,
     EnergyGap,
     OscillatorStrength,
     Permittivity,
@@ -110,10 +111,9 @@ class TaucLorentz(Term):
     gap: EnergyGap
 
     @staticmethod
-    def contradiction(energy: Numeric, broadening: Numeric) -> str | None:
-        if np.any(broadening >= 2.0 * energy):
-            return "broadening of a Tauc-Lorentz term must be below twice its energy"
-        return None
+    def contradiction(energy: Numeric, broadening: Numeric) -> Contradictions:
+        wrong = broadening >= 2.0 * energy
+        yield wrong, "broadening of a Tauc-Lorentz term must be below twice its energy"
 
     @entry_point
     def permittivity(self, energy: Numeric) -> tuple[Numeric, Numeric]:

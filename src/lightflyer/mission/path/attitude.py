@@ -12,6 +12,7 @@ from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
     Altitude,
     Checked,
+    Contradictions,
     Duration,
     Fraction,
     GroundDistance,
@@ -261,10 +262,8 @@ class ChooseWind(AbstractShading):
     width: GroundDistance = 1e3
 
     @staticmethod
-    def contradiction(lowest: Numeric, highest: Numeric) -> str | None:
-        if np.all(lowest < highest):
-            return None
-        return "highest of the winds to choose from must be above lowest"
+    def contradiction(lowest: Numeric, highest: Numeric) -> Contradictions:
+        yield lowest >= highest, "highest of the winds to choose from must be above lowest"
 
     def light(self, moment: Moment) -> Numeric:
         return _let_in(moment, self.wanted(moment), self.width)

@@ -1,6 +1,7 @@
 """A prediction in Python has the bands that the command prints."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -119,6 +120,21 @@ def test_the_written_file_is_the_dataset(kind, tmp_path):
         for name in (*expected.variables, *written.variables):
             assert written[name].attrs == expected[name].attrs
             assert written[name].dims == expected[name].dims
+
+
+def test_results_at_a_jump_have_no_band_to_first_order(tmp_path):
+    """At 82 km no light lifts this sphere any more; samples there are not solved."""
+    path = tmp_path / "flyer.toml"
+    with pytest.raises(SystemExit, match="0"):
+        cli.main(["init", str(path), "--kind", "hollow"])
+    text = path.read_text(encoding="utf-8")
+    for key, size in (("size", "30 cm"), ("outlet_diameter", "24 cm")):
+        text = re.sub(rf'(?m)^{key} = "[^"]*"', f'{key} = "{size}"', text)
+    path.write_text(text, encoding="utf-8")
+    design = as_design(path).with_open_errors()
+    for samples in (0, 100):
+        found = lf.propagate(design, samples=samples)
+        assert "lift_over_weight" in json.dumps(found.summary(), allow_nan=False)
 
 
 def test_bands_to_first_order_end_with_the_range_of_the_force_model(film):

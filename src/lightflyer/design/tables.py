@@ -68,9 +68,10 @@ def table_of(
     irradiance: np.ndarray,
     names: Sequence[str],
     tabulated: Callable[..., dict[str, Any]] = tabulate_places,
+    most: float = _SMALL_SHARE,
 ) -> dict[str, np.ndarray]:
     """Some outputs at coordinates (n,) under irradiances (n,), NaN where they are not solved."""
-    # Raises where more than a few are not.
+    # Raises where more than a few are not, and more than the share ``most``.
     table = tabulated(setup, coordinates, irradiance, tuple(names))
     groups = [group for group in ("", LEVITATION, NIGHT) if group + "converged" in table]
     solved = {group: table[group + "converged"] >= 0.5 for group in groups}
@@ -82,7 +83,7 @@ def table_of(
                 "places, at temperatures that balance the heat"
             )
     for group, good in solved.items():
-        if np.sum(~good) > max(_FEW, _SMALL_SHARE * good.size):
+        if np.sum(~good) > max(_FEW, most * good.size):
             status = np.where(good, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED))
             require_converged("prediction", status, table[group + "residual"])
 

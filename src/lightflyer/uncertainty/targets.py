@@ -62,10 +62,14 @@ _LEVELS = _LIFT, HEAT, LEAST_HEAT  # outputs that keep their value at an edge, w
 
 
 def tabulate_samples(
-    inputs: Inputs, samples: np.ndarray, coordinate: np.ndarray, names: Sequence[str]
+    inputs: Inputs,
+    samples: np.ndarray,
+    coordinate: np.ndarray,
+    names: Sequence[str],
+    **options: Any,
 ) -> Table:
     """Outputs of many flyers, shape (samples, n); ``coordinate`` (n,) or (samples, n)."""
-    # NaN where a coordinate is NaN
+    # NaN where a coordinate is NaN; options are those of table_of
     setup = inputs.setup_of(samples)
     shape = len(samples), np.shape(coordinate)[-1]
     places = np.broadcast_to(coordinate, shape)
@@ -78,7 +82,7 @@ def tabulate_samples(
         each = len(samples), 1  # shape of what every sample has for itself, a number or a table
         rows = tree.map_leaves(lambda one: one[some] if np.shape(one)[:2] == each else one, setup)
         light = rows.environment.radiation.irradiance
-        table = table_of(rows, filled, light, names, _tabulate_each)
+        table = table_of(rows, filled, light, names, _tabulate_each, **options)
         found[:, some] = [np.broadcast_to(table[name], filled.shape) for name in names]
         found[:, ~asked] = np.nan
     else:
@@ -89,7 +93,9 @@ def tabulate_samples(
 
         rows = tree.map_leaves(in_row, setup)
         light = setup.environment.radiation.irradiance
-        table = table_of(rows, places[asked], np.broadcast_to(light, shape)[asked], names)
+        table = table_of(
+            rows, places[asked], np.broadcast_to(light, shape)[asked], names, **options
+        )
         found[:, asked] = [table[name] for name in names]
     return dict(zip(names, found, strict=True))
 
@@ -133,7 +139,8 @@ def search_samples(
 
     def look(places: np.ndarray, names: Names) -> Table:
         each = where.from_axis(np.moveaxis(places, -1, 0).reshape(len(samples), -1))
-        found = tabulate_samples(inputs, samples, each, names or tuple(rows))
+        # a search goes to where no light lifts some samples any more; tables have told the others
+        found = tabulate_samples(inputs, samples, each, names or tuple(rows), most=1.0)
         return {name: values.T.reshape(places.shape) for name, values in found.items()}
 
     found = find_edges_and_optima(look, places, rows, lit=lit, widest=True, **CLOSE)
@@ -253,6 +260,7 @@ def _directions(
     with by_numpy():  # where a step is impossible by so little, nothing is raised
         table = tabulate_samples(inputs, samples, places, names)
         rows = np.stack([table[name] for name in names], axis=1)
+        rows = np.where(np.isfinite(rows), rows, np.nan)  # where no light lifts it, it is endless
         below, above, here = rows[: count + 1], rows[count + 1 : -1], rows[-1]
         slopes = (above - below) / (up + down)
         # where there is nothing on one side, the slope is that of the other

@@ -3,6 +3,7 @@
 import math
 import traceback
 import types
+from dataclasses import replace
 from typing import ClassVar
 
 import jax
@@ -152,10 +153,55 @@ def test_print_shows_numbers(disk, capsys):
     assert "Tracer" not in said
 
 
-def test_a_force_that_is_no_number_is_said(disk):
-    model = own(lambda self, excess, state: np.nan)
-    with pytest.raises(lf.ParameterError, match=r"force\(\) of Notebook gives NaN"):
+@pytest.mark.parametrize(("force", "said"), [(np.nan, "NaN"), (np.inf, "an infinite value")])
+def test_a_force_that_is_no_number_is_said(disk, force, said):
+    model = own(lambda self, excess, state: force)
+    with pytest.raises(lf.ParameterError, match=rf"force\(\) of Notebook gives {said} at"):
         lifts(disk, model)
+
+
+def test_a_force_of_none_is_none(disk):
+    model = own(lambda self, excess, state: 0.0, force=lambda self, *given: 0)
+    assert lifts(disk, model) == 0.0
+    assert not lf.predict(disk, lf.Earth(), model).bands
+
+
+def test_what_a_constructor_sets_must_be_a_field(disk):
+    def body(namespace):
+        def init(self, factor):
+            self.factor = factor
+
+        namespace["__init__"] = init
+
+    lost = types.new_class("Notebook", (Own,), {}, body)
+    with pytest.raises(TypeError, match=r"Notebook sets factor, .* write factor: float, or"):
+        lost(2.0)
+
+    class Kept(Own):
+        factor: float
+
+        def __init__(self, factor):
+            self.factor = 2.0 * factor
+
+        def share(self, excess, state):
+            return self.factor
+
+    assert lifts(disk, Kept(1.5)) == pytest.approx(3.0 * plain(disk), rel=1e-12, abs=0.0)
+
+
+def test_bands_of_a_prediction_are_of_its_model_or_none(disk):
+    """They are computed when they are asked for, and what the model reads may have changed."""
+    share = [1.0]
+    model = own(
+        lambda self, excess, state: share[0] * (1.0 + 0.1 * (0.0 + self.force_error)),
+        __annotations__={"force_error": lf.quantity.StandardErrors | None}, force_error=None,
+    )  # fmt: skip
+    found, later = (lf.predict(disk, lf.Earth(), replace(model, force_error=0.0)) for _ in "ab")
+    design = lf.design.ObjectDesign(found.setup, {"force.force_error": 1.0})
+    assert lf.propagate(design, prediction=found, samples=0).bands
+    share[0] = 2.0
+    with pytest.warns(lf.ParameterWarning, match="other numbers than when this was predicted"):
+        assert lf.propagate(design, prediction=later, samples=0) is None
 
 
 @pytest.mark.parametrize(
@@ -167,6 +213,7 @@ def test_a_force_that_is_no_number_is_said(disk):
             {"heat_loss": lambda self, *given: (1e-5 * given[-1][0] * np.ones(3),)},
             r"heat_loss\(\) .* of",
         ),
+        ({"force": lambda self, *given: np.float32(1e-9)}, r"force\(\) .* float32, too coarse"),
         ({"heat_loss": lambda self, *given: (None,)}, r"heat_loss\(\) .* must give real numbers"),
     ],
 )

@@ -38,8 +38,9 @@ class ModelResult(ShortRepr):
 class AbstractForceModel(Checked):
     r"""Heat loss to the gas and photophoretic force of one kind of flyer.
 
-    Its methods must be pure JAX functions that broadcast. They take the unknowns of the flyer: the
-    relative temperature excess :math:`\theta_i = (T_i - T_c)/T_c` of each node, then its flows.
+    Its methods must broadcast; NumPy does for all but JAX, ``lightflyer.xp`` for that too. They
+    take the unknowns of the flyer: the relative temperature excess
+    :math:`\theta_i = (T_i - T_c)/T_c` of each node, then its flows.
     The solvers rely on two properties: all heat losses together increase with a common excess and
     are zero at zero excess; the force, where it is positive, does not decrease as the light grows.
     """

@@ -113,7 +113,7 @@ class FlightEquations(Module):
     def upward_force(self, unknowns: tuple[Any, ...]) -> Array:
         """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
         force = self.model.force(self.flyer, self.state, unknowns)
-        if not hasattr(force, "dtype") and not isinstance(force, float):
+        if not hasattr(force, "dtype") and not isinstance(force, int | float):
             raise ParameterError(f"force() must give an array, not {type(force).__name__}")
         self._require_fit("force", force, unknowns)
         force = as_numpy(force)
@@ -128,6 +128,8 @@ class FlightEquations(Module):
         name = f"{method}() of {type(self.model).__name__}"
         if np.asarray(found).dtype.kind not in "fiu":
             raise ParameterError(f"{name} must give real numbers, not {found!s:.40}")
+        if isinstance(found, np.ndarray | np.generic) and found.dtype == np.float32:
+            raise ParameterError(f"{name} gives float32, too coarse for a balance; use float64")
         parts = (self.flyer, "flyer."), (self.state, "state."), (self.model, "")
         shapes = [shape for part in parts for shape in shapes_in(*part).values()]
         expected = np.broadcast_shapes(*shapes, *map(np.shape, unknowns))
@@ -143,10 +145,11 @@ class FlightEquations(Module):
 
     def require_force(self, force: Any, converged: Any) -> None:
         """Raise unless a force of a model is a number wherever the heat is in balance."""
-        if not is_traced(force) and np.any(np.isnan(force) & converged):
+        if not is_traced(force) and np.any(~np.isfinite(force) & converged):
+            given = "NaN" if np.any(np.isnan(force) & converged) else "an infinite value"
             raise ParameterError(
-                f"force() of {type(self.model).__name__} gives NaN at temperatures that balance "
-                "the heat"
+                f"force() of {type(self.model).__name__} gives {given} at temperatures that "
+                "balance the heat"
             )
 
     def buoyancy(self, unknowns: tuple[Any, ...]) -> Numeric:

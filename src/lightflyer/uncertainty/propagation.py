@@ -7,6 +7,7 @@ First order propagates the covariance :math:`\Sigma` of the inputs through exact
 distributions, cut off where a value is impossible, and repeats the prediction.
 """
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,7 @@ import numpy as np
 
 from lightflyer.config.designs import as_design
 from lightflyer.core.constants import NORMAL_HALF_WIDTH_95
-from lightflyer.core.errors import ParameterError
+from lightflyer.core.errors import ParameterError, ParameterWarning
 from lightflyer.core.progress import report
 from lightflyer.core.units import dataset_unit
 from lightflyer.design.outputs import outputs_of
@@ -29,6 +30,8 @@ from lightflyer.uncertainty.inputs import Inputs, draw_possible, uncertain_input
 from lightflyer.uncertainty.targets import (
     LEAST_LIGHT,
     NIGHT,
+    Derivatives,
+    Target,
     derivatives,
     find_targets,
     sample_result,
@@ -50,6 +53,7 @@ FEWEST_SAMPLES = 100
 """Samples below which the ends of a 95 % band mean nothing: two or three lie outside of it."""
 
 COVERAGE = (2.5, 97.5)  # Percentiles of the bands
+_SAME = 1e-4  # relative difference up to which a flyer is the one that was predicted
 BAND_POINTS = 61  # Coordinates at which the bands of the figures are known
 
 BANDS = (
@@ -226,9 +230,10 @@ class PredictionUncertainty(PrintedResult):
         value, spread = self.nominal[name], self.first_order[name]
         positive = name in self.endless
         low, high = map(float, _normal_ends(value, spread, positive=positive))
-        linear = name not in self.edges
+        known = np.isfinite(spread)  # not at a jump
+        linear = known and name not in self.edges
         first_order = {
-            "standard_uncertainty": spread,
+            "standard_uncertainty": spread if known else None,
             "low": low if linear else None,
             "high": high if linear else None,
         }
@@ -312,6 +317,14 @@ def propagate(
     near = _even_grid(prediction)
     report("bands to first order")
     slopes = derivatives(inputs, points)
+    if _is_another(targets, slopes):
+        warnings.warn(
+            "no bands: the force model or the flyer gives other numbers than when this was "
+            "predicted; predict again",
+            ParameterWarning,
+            stacklevel=2,
+        )
+        return None
     sampled: dict[str, np.ndarray] = {}
     draws = np.zeros((0, inputs.values.size))
     told: tuple[str, ...] = ()
@@ -363,6 +376,15 @@ def propagate(
         edges=frozenset(target.name for target in targets if target.is_edge),
         warnings=told,
     )
+
+
+def _is_another(targets: list[Target], slopes: Derivatives) -> bool:
+    """Whether what was predicted is not what its design gives now, as a changed constant makes."""
+    for target in targets:
+        if target.quantity == "lift_over_weight" and not target.is_edge:
+            now = target.scale * slopes.value[target.quantity][target.point]
+            return bool(abs(now - target.nominal) > _SAME * abs(target.nominal))
+    return False
 
 
 def require_samples(samples: int, seed: int, prefix: str = "") -> None:

@@ -60,7 +60,8 @@ class KineticSandwich(AbstractWalled):
         if gas.molecules not in self.molecules:
             raise ParameterError(
                 f"force model Kinetic is not for a sandwich in {gas.name}, whose molecules are "
-                f"{gas.molecules}: polyatomic gas is scaled for disks only"
+                f"{gas.molecules}: polyatomic gas is scaled for disks only; schafer2025 "
+                "takes any gas"
             )
 
     def heat_loss(

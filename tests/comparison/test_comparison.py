@@ -13,6 +13,8 @@ from lightflyer.comparison import to_dataset, write_csv
 from lightflyer.comparison.text import join_outputs, require_comparable
 from lightflyer.design.outputs import outputs_of
 
+EXACT = lf.Lu2023(force_error=0.0)  # as if its force had no error
+
 
 def disk(areal_density=1e-3, radius=0.01, tac_bottom=0.9):
     film = lf.FilmProperties(areal_density, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=tac_bottom)
@@ -20,7 +22,7 @@ def disk(areal_density=1e-3, radius=0.01, tac_bottom=0.9):
 
 
 def over_earth(flyer, **earth):
-    return lf.Setup(flyer, lf.Earth(**earth), lf.Lu2023())
+    return lf.Setup(flyer, lf.Earth(**earth), EXACT)
 
 
 @pytest.fixture(scope="module")
@@ -195,6 +197,24 @@ def test_flyers_share_surroundings_and_model():
     assert found.flyers[1].prediction.bands == one.bands
     with pytest.raises(lf.ParameterError, match="stand beside a flyer"):
         lf.compare([over_earth(one) for one in disks.values()], lf.Earth(), lf.Lu2023())
+    with pytest.raises(lf.ParameterError, match=r"one model .* a lightflyer.Setup\(flyer, "):
+        lf.compare(disks, lf.Earth(), [lf.Lu2023(), lf.Kinetic()])
+
+
+def test_errors_of_force_models_and_what_does_not_fly_are_said():
+    heavy = lf.Disk(disk().film, 0.01, payload="5 mg", attitude=None)
+    models = {"kinetic": lf.Kinetic(), "fitted": lf.Lu2023(), "thin": lf.FreeMolecular()}
+    setups = {name: lf.Setup(disk(), lf.Earth(), model) for name, model in models.items()}
+    found = lf.compare(setups | {"heavy": over_earth(heavy)}, samples=0)
+    low, high = found.flyers[0].best_band("payload")
+    alone = lf.propagate(lf.predict(disk(), lf.Earth(), lf.Kinetic()).setup, samples=0)
+    assert alone is None  # as nobody stated them
+    assert low < found.flyers[0].best.values["payload"] < high
+    assert found.flyers[2].uncertainty is None
+    text = " ".join(str(found).split())
+    assert "thin carries most" in text
+    assert "km, outside the range of force model or gas" in text
+    assert "D: It does not fly: lift is at most 0." in text
 
 
 def test_altitude_and_pressure_are_not_mixed(designs):

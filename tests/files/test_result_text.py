@@ -115,7 +115,7 @@ def test_a_comparison(film, setup):
     heavy = lf.Setup(lf.Disk(film, 0.01, payload="0.1 mg"), setup.environment, setup.model)
     found = lf.compare({"bare": setup, "loaded": heavy}, samples=0)
     best = found.best.prediction.best.values["payload"] * 1e6
-    assert f"{best:.4g} –" in words(found)
+    assert f"loaded carries most: {best:.4g} mg (-" in words(found)
     assert "best payload 95 % band" in words(found).replace("[mg]", "")
 
 

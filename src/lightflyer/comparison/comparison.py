@@ -237,7 +237,8 @@ def compare(
         Altitudes [m] or pressures [Pa] between which all are compared, in place of what the files
         say; by default the grid reaches as far as any of them comes near to flying.
     samples : int
-        Of Monte Carlo for the bands of those with ±; 0 for first order alone.
+        Of Monte Carlo for the bands of those with ±, or whose force model states its own errors;
+        0 for first order alone.
     seed : int
         Of the random numbers.
 
@@ -268,6 +269,11 @@ def compare(
     'light'
     """
     require_samples(samples, seed)
+    if isinstance(model, list | tuple):
+        raise ParameterError(
+            "compare takes one model for all flyers; to compare models give a "
+            "lightflyer.Setup(flyer, environment, model) of each"
+        )
     if isinstance(what, str) or not isinstance(what, Collection):
         what = [what]
     parts = list(what.values() if isinstance(what, Mapping) else what)
@@ -311,8 +317,9 @@ def compare(
 
     def bands(name: str, grid: np.ndarray) -> PredictionUncertainty | None:
         report(f"{name}: 95 % band", len(designs) + list(designs).index(name), count)
+        design = designs[name].with_open_errors()
         return propagate(
-            designs[name], prediction=predictions[name], samples=samples, seed=seed, over=grid
+            design, prediction=predictions[name], samples=samples, seed=seed, over=grid
         )
 
     return side_by_side(predictions, bands, searched)

@@ -40,7 +40,7 @@ _RANGE = "searched"
 
 def comparison_parts(comparison: "Comparison") -> Parts:
     """The flyers, what each carries at best and over the coordinate, and in what they differ."""
-    from lightflyer.prediction.text import film_lines
+    from lightflyer.prediction.text import film_lines, most_lift
 
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
         yield f"{letter}  {found.name}: {found.description}"
@@ -49,7 +49,8 @@ def comparison_parts(comparison: "Comparison") -> Parts:
     if best.prediction.bands:
         payload, band, place, *_ = _best_cells(best, scale)
         within = "" if band == "–" else f" ({band})"
-        yield f"{best.name} carries most: {payload} {mass}{within} at {place} {unit}"
+        beyond = "" if best.best.values["covered"] else ", outside the range of force model or gas"
+        yield wrap(f"{best.name} carries most: {payload} {mass}{within} at {place} {unit}{beyond}")
     # the largest payload that each film survives; the best of all is marked
     headings = ("", f"best payload\n[{mass}]", f"95 % band\n[{mass}]", f"at\n[{unit}]",
                 "per area\n[g/m²]", "of own\nmass", "hot\n[K]",
@@ -60,10 +61,12 @@ def comparison_parts(comparison: "Comparison") -> Parts:
         table.add_row(f"{letter}{mark}", *_best_cells(found, scale))
     yield table
     for letter, found in zip(_LETTERS, comparison.flyers, strict=False):
-        if found.prediction.verdict.highest_temperature is not None:
+        if not found.prediction.bands:
+            yield f"{letter}: It does not fly: lift is at most {most_lift(found.prediction)}."
+        elif found.prediction.verdict.highest_temperature is not None:
             yield from (wrap(f"{letter}: {line}") for line in film_lines(found.prediction))
     yield _payloads_table(comparison)
-    if any(found.prediction.bands for found in comparison.flyers):
+    if any(np.any(found.listed["payload"] > 0.0) for found in comparison.flyers):
         yield "* carries most"
     if any(np.any(_too_hot(found)) for found in comparison.flyers):
         yield "! hotter than the film withstands"

@@ -197,7 +197,8 @@ class Prediction(PrintedResult):
 
         found = self.uncertainty
         if found is None:
-            yield from prediction_parts(self, width)
+            none = "; no bands, as no ± is stated" if self.propagate else ""
+            yield from prediction_parts(self, width, sources=none)
             return
         told = found.bands, found.shares
         yield from prediction_parts(self, width, *told, sources=f"; {found.sources}")

@@ -58,7 +58,8 @@ def prediction_parts(
     payload: bool = True,
 ) -> Parts:
     """The verdict, a table around the bands, and what must be known; ``verbose``: all of it."""
-    # ``sources``: where the bands are from, told in short; ``payload``: tell the largest one
+    # ``sources``: where the bands are from, or why there are none, in short; ``payload``: tell the
+    # largest one
     width = min(width, NARROW)
     told = [*verdict_lines(prediction, bands, shares, payload=payload)]
     yield from (wrap(line, width) for line in told)
@@ -87,7 +88,7 @@ def prediction_parts(
     if found.best_covered is not None:
         place = _place_text(prediction, found.best_covered.coordinate)
         covers += f", where it carries up to {_most_payload(found.best_covered)} at {place}"
-    force = f"force: {type(setup.model).__name__}{covers}{sources * has_brackets}"
+    force = f"force: {type(setup.model).__name__}{covers}{sources * (has_brackets or not bands)}"
     yield wrap(f"lifted by {setup.flyer.lifted_by}; {force}", width)
     if verbose:
         yield wrap("; ".join(prediction.assumptions), width)
@@ -112,7 +113,7 @@ def verdict_lines(
     several = f" of {shares.samples} samples"
     if not prediction.bands:
         but = f", but does in {_percent(shares.flies)}{several}" if shares.flies else ""
-        yield f"It does not fly{but}: lift is at most {_most_lift(prediction, bands)}."
+        yield f"It does not fly{but}: lift is at most {most_lift(prediction, bands)}."
         return
     often = f", in {_percent(shares.flies)}{several}," if shares.flies not in (None, 1.0) else ""
     night = ""
@@ -237,7 +238,8 @@ def _ranges(
     return " and ".join(words)
 
 
-def _most_lift(prediction: "Prediction", bands: Bands = _NONE) -> str:
+def most_lift(prediction: "Prediction", bands: Bands = _NONE) -> str:
+    """Largest lift over weight, and where, as what does not fly tells it."""
     lift = float(prediction.best.values["lift_over_weight"])
     form = ".2f" if abs(lift) >= _SMALL_LIFT else ".1g"
     most = _with_band(lift, bands.get("best.lift_over_weight"), form)
@@ -252,7 +254,7 @@ def _results(prediction: "Prediction", summary: dict[str, Any]) -> Table:
     best, easiest = prediction.best, prediction.easiest
     rows: dict[str, str] = {}
     if not prediction.bands:
-        rows["levitates"] = f"nowhere at {light:g} W/m²: lift is at most {_most_lift(prediction)}"
+        rows["levitates"] = f"nowhere at {light:g} W/m²: lift is at most {most_lift(prediction)}"
     else:
         edge = ".4g" if where.logarithmic else ".3f"
         bands = summary[f"{where.name}_bands{key.removeprefix(where.name)}"]

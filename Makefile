@@ -71,7 +71,7 @@ $(STAMP): pyproject.toml requirements.lock
 
 $(DEV): $(STAMP) requirements-dev.lock
 	$(BIN)/python -m pip install --quiet --no-compile --require-hashes --requirement requirements-dev.lock
-	$(BIN)/python -W ignore -m compileall -q -j 0 $(VENV)/lib || true  # or others' odd literals warn in tests
+	$(BIN)/python -W ignore -m compileall -qq -j 0 $(VENV)/lib || true  # or others' odd literals warn in tests
 	@touch $@
 
 lock: $(DEV)  ## resolve the newest versions into the lock files

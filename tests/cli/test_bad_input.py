@@ -208,6 +208,7 @@ COMMANDS = [
     ("calibrate points.csv --flyer flyer.toml", "levitation points need a chamber"),
     ("calibrate points.csv --step 200", "has no unit"),
     ("calibrate points.csv --pressure-accuracy 5", 'per cent are written "5 %"'),
+    ("calibrate points.csv --pressure-accuracy 0.5", '"0.5 %", a share of it "50 %"'),
     ("calibrate points.csv --pressure-accuracy 5Pa", "--pressure-accuracy: "),
     ("calibrate points.csv --irradiance-accuracy 150%", "= 1.5 is not between 0 and 1"),
     ("calibrate points.csv --step 90kW/m^2 --out o", "is not smaller than the least irradiance"),

@@ -187,10 +187,11 @@ def _require_files(given: Sequence[str]) -> None:
     """Raise where the first file is missing, before what takes seconds to load."""
     lab = given[:1] == ["lab"] and given[1:2] != ["summary"]
     name = "".join(given[2:3] if lab else given[1:2])
+    files = name, name.partition("#")[0]  # a sheet is named after its workbook
     if (
         (lab or {*given[:1]} & _READS)
         and Path(name).suffix
-        and not (name[0] == "-" or Path(name).exists())
+        and not (name[0] == "-" or any(Path(file).exists() for file in files))
     ):
         raise ConfigurationError(f"{name}: cannot be read: {os.strerror(ENOENT)}")
 

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 _USUAL = {"--diameter": "mm", "--wall": "cm", "--size": "um", "--at": "nm", "--band": "cm^-1"}
 """Units that messages propose, where they are not those of SI."""
 
+_DOUBTFUL = 0.2  # accuracy above which a number without a unit may be per cent
+
 _ENDS = re.compile(r"^\s*([\d.]+)\s*(?:-|–|to)\s*([\d.]+)\s*([^\d\s.]\S*)\s*$")  # of a range
 
 _IMPOSSIBLE = {
@@ -98,8 +100,9 @@ def share(option: str, text: str) -> float:
     from lightflyer.core.checks import require_range
 
     value = exact(option, text, "")
-    if value >= 1.0 and "accuracy" in option and "%" not in text:
-        raise ConfigurationError(f'{option} "{text}": per cent are written "{text} %"')
+    if value > _DOUBTFUL and "accuracy" in option and "%" not in text:
+        said = "" if value >= 1.0 else f', a share of it "{100.0 * value:g} %"'
+        raise ConfigurationError(f'{option} "{text}": per cent are written "{text} %"{said}')
     require_range(option, value, 0.0, 1.0)
     return value
 

@@ -147,12 +147,14 @@ def find_layout(
         raise ConfigurationError(f"{path}: is empty; known columns: {known}")
     if option:  # names every column, from the first row of numbers on
         names = [name.strip() for name in option.split(",")]
+        read = next((place for place, name in enumerate(names) if name != "-"), 0)
         for first in rows:
             line = lines[first]
             width = len(names)
             marked = delimiter or next((mark for mark in ("\t", ";") if mark in line), None)
             stated = marked if marked or len(line.split()) == width or "," not in line else ","
-            if _is_number(split_cells(lines[first], stated)[0]):
+            cells = split_cells(lines[first], stated)
+            if len(cells) > read and _is_number(cells[read]):
                 place = f"--columns of {path}"
                 return Layout(stated, names, first, _place(columns, names, place, closed=True))
         raise ConfigurationError(

@@ -2,6 +2,7 @@ import json
 import re
 
 import numpy as np
+import openpyxl
 import pytest
 import xarray as xr
 
@@ -41,7 +42,7 @@ def test_raw_file_to_record_figure_and_flyer_file(examples, lab_prints):
     (said,) = found["warnings"]
     assert said == (
         "no accuracy of these is stated, and assumed: pressure gauge ± 5 %, gauge's zero "
-        "± 0.01 Pa, power ± 1 %, temperature difference ± 1 K, diameter ± 0.1 mm, plateau ± 5 %"
+        "± 0.01 Pa, power ± 1 %, temperature difference ± 1 K, diameter 24 ± 0.1 mm, plateau ± 5 %"
     )
     assert found["rows_used"] + found["rows_dropped"] == found["read"][0]["rows"]
     assert len(found["read"][0]["rejected"]) == 3
@@ -231,3 +232,28 @@ def test_bad_input(folder, lab, text, arguments, says):
     assert err.startswith("lightflyer: error: ")
     assert out == ""
     assert not (folder / "o").exists()
+
+
+def test_a_sheet_and_a_clock_before_the_numbers(examples, lab_prints, lab_refuses):
+    folder = examples("tac")
+    text = (folder / "tac-reduced.txt").read_text(encoding="utf-8-sig")
+    rows = [line for line in text.splitlines() if re.match(r"[-\d]", line)]
+    clocked = [f"10:{number:02};{row}" for number, row in enumerate(rows)]
+    (folder / "clock.csv").write_text("\n".join(clocked), encoding="utf-8")
+    columns = "-,pressure [Pa],power [mW],heater_temperature [°C],ambient_temperature [°C]"
+    expected, *_ = lab_prints("tac", "tac-reduced.txt").splitlines()
+    assert lab_prints("tac", "clock.csv", "--columns", columns).startswith(expected)
+    book = openpyxl.Workbook()
+    for sheet, lines in (("May 3", rows), ("June", rows[:9])):
+        book.create_sheet(sheet)
+        book[sheet].append(["p", "q", "t", "u"])
+        for line in lines:
+            book[sheet].append([as_number(cell) for cell in line.split(";")])
+    book.save(folder / "runs.xlsx")
+    columns = columns.removeprefix("-,")
+    assert lab_prints("tac", "runs.xlsx#May 3", "--columns", columns).startswith(expected)
+    assert 'in a sheet "July"; it has' in lab_refuses("tac", "runs.xlsx#July")
+
+
+def as_number(cell):
+    return float(cell.replace(",", ".")) if re.fullmatch(r"[-\d,.]+", cell) else cell

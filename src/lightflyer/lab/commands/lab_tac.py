@@ -115,7 +115,7 @@ def tac(
         difference_tables,
         fit_tac_difference,
     )
-    from lightflyer.lab.tac.preparation import POSSIBLE_TAC
+    from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, POSSIBLE_TAC
     from lightflyer.lab.tac.problem import HEAT_LAWS, KINETIC, KineticLaw
 
     faces = [files] if files else [top, bottom]
@@ -170,7 +170,7 @@ def tac(
     runs = [run for side in sides for run in side]
     require_distinct([(run.source, (run.pressure, run.power)) for run in runs])
     doubts = pirani_doubts(gas, shown, accuracy_stated="gauge" in stated)
-    unstated = data.unstated_accuracies(stated)
+    unstated = data.unstated_accuracies(stated, None if diameter else LU2023_HEATER_DIAMETER)
     common: dict[str, Any] = {
         "read": [run.table for run in runs],
         "origin": f"tac, {reading} reading, in {gas}",

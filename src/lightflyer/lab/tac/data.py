@@ -120,14 +120,16 @@ class TacAccuracy(ShortRepr):
         return {name: np.array(one) for name, one in effects.items() if getattr(self, name)}
 
 
-def unstated_accuracies(stated: Iterable[str]) -> list[str]:
-    """A line that says which accuracies are assumed; none where all are stated."""
+def unstated_accuracies(stated: Iterable[str], diameter: float | None = None) -> list[str]:
+    """A line that says which accuracies are assumed, and the diameter where it is [m]."""
     known, usual = set(stated), TacAccuracy()
     missing = {
         said: f"± {scale * getattr(usual, name):g} {unit}"
         for name, (said, scale, unit) in IN_WORDS.items()
         if name not in known and getattr(usual, name)
     }
+    if diameter is not None:
+        missing["diameter"] = f"{1000.0 * diameter:g} {missing['diameter']}"
     return list(assumed_accuracies(missing))
 
 

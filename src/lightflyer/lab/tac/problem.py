@@ -369,5 +369,8 @@ def minimise(
         ftol=1e-14, xtol=1e-12, gtol=1e-14, Dfun=lambda given: problem.jacobian(values(given)),
     )  # fmt: skip
     if result.covar is None or not np.all(np.isfinite(result.covar)):
-        raise ConvergenceError(f"{problem.source}: the fit failed: {result.message}")
+        raise ConvergenceError(
+            f"{problem.source}: the fit finds no end: these rows are not those of a heater in a "
+            "gas; check the units of pressure and power, gas, temperatures and diameter"
+        )
     return values(result.params), result

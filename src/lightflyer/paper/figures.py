@@ -260,6 +260,7 @@ def _draw_5a(curves: Curves) -> Figure:
         )
         _torr_axis(ax)
         ax.set_ylabel("irradiance [kW/m²]")
+        ax.label_outer()
         name = f"mylar-{_NAMES[coating]}, 2 cm"
         white = {"facecolor": "white", "edgecolor": "none"}
         ax.text(0.03, 0.93, name, transform=ax.transAxes, bbox=white, va="top")
@@ -292,6 +293,7 @@ def _draw_5bcd(curves: Curves, points: Points | None) -> Figure:
         ax.set_xlim(1.0, 300.0)
         _torr_axis(ax)
         ax.set_ylabel("irradiance to levitate [kW/m²]")
+        ax.label_outer()
         ax.text(0.05, 0.05, f"{size} cm", transform=ax.transAxes)
         _letter(ax, letter)
     lines: dict[str, Any] = {}

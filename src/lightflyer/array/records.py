@@ -178,12 +178,10 @@ class _ModuleType(ABCMeta):
             _in_making.discard(id(made))
         values = vars(made)
         if cls._has_own_init:  # type: ignore[attr-defined]
-            lost = values.keys() - {*cls._fixed, *cls._parts}  # type: ignore[attr-defined]
-            if lost := {name for name in lost if "." not in name}:  # no kept properties
-                raise TypeError(
-                    f"{cls.__name__} sets {', '.join(sorted(lost))}, which is no field; write "
-                    f"{min(lost)}: float, or what it is, in the body of the class"
-                )
+            for name in values.keys() - {*cls._fixed, *cls._parts}:  # type: ignore[attr-defined]
+                if "." not in name:  # as kept properties have
+                    needs = f"write {name}: float, or what it is, in the body of the class"
+                    raise TypeError(f"{cls.__name__} sets {name}, which is no field; {needs}")
         for name, converter in cls._converters:  # type: ignore[attr-defined]
             values[name] = converter(values[name])
         if call.depth:  # what a public function makes of checked numbers

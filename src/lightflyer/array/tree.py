@@ -141,10 +141,11 @@ def equal(one: Any, other: Any) -> bool:
 
 def replace_at(where: Callable[[Any], Any], tree: Any, replacement: Any) -> Any:
     """A pytree with parts replaced, unchecked; ``where`` names the part, or several."""
-    _, form = flatten(tree, _is_none)
+    _, form = flatten(tree, lambda node: node is None)
     marked = unflatten(form, [_Mark() for _ in range(form.num_leaves)])
     chosen = where(marked)
-    if type(chosen) in (tuple, list) and not _holds(marked, chosen):
+    parts = leaves(marked, lambda node: node is chosen)
+    if type(chosen) in (tuple, list) and not any(part is chosen for part in parts):
         new = {id(part): value for part, value in zip(chosen, replacement, strict=True)}
     else:
         new = {id(chosen): replacement}
@@ -186,14 +187,6 @@ def _is_table(node: Any) -> bool:
 
 class _Mark:
     """Stands for a leaf."""
-
-
-def _holds(tree: Any, part: Any) -> bool:
-    return any(node is part for node in leaves(tree, lambda node: node is part))
-
-
-def _is_none(value: Any) -> bool:
-    return value is None
 
 
 def _same(one: Any, other: Any) -> bool:

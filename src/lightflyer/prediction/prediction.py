@@ -123,12 +123,12 @@ class Prediction(PrintedResult):
     #: model or the film is beyond its range while the flyer flies or is reported
     warnings: tuple[str, ...]
     #: What computes its 95 % bands, when they are first asked for; None where nobody wants them
-    propagate: "Callable[[Prediction], Any] | None" = None
+    propagate: "Callable[..., Any] | None" = None
 
     @cached_property
     def uncertainty(self) -> Any:
         """A :class:`~lightflyer.uncertainty.PredictionUncertainty`; None where nothing has a ±."""
-        return None if self.propagate is None else self.propagate(self)
+        return None if self.propagate is None else self.propagate(prediction=self)
 
     @property
     def assumptions(self) -> tuple[str, ...]:

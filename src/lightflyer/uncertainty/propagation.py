@@ -30,8 +30,6 @@ from lightflyer.uncertainty.inputs import Inputs, draw_possible, uncertain_input
 from lightflyer.uncertainty.targets import (
     LEAST_LIGHT,
     NIGHT,
-    Derivatives,
-    Target,
     derivatives,
     find_targets,
     sample_result,
@@ -317,7 +315,9 @@ def propagate(
     near = _even_grid(prediction)
     report("bands to first order")
     slopes = derivatives(inputs, points)
-    if _is_another(targets, slopes):
+    lift = next(target for target in targets if target.quantity == "lift_over_weight")
+    now = slopes.value[lift.quantity][lift.point]
+    if abs(now - lift.nominal) > _SAME * abs(lift.nominal):  # as a changed constant makes it
         warnings.warn(
             "no bands: the force model or the flyer gives other numbers than when this was "
             "predicted; predict again",
@@ -376,15 +376,6 @@ def propagate(
         edges=frozenset(target.name for target in targets if target.is_edge),
         warnings=told,
     )
-
-
-def _is_another(targets: list[Target], slopes: Derivatives) -> bool:
-    """Whether what was predicted is not what its design gives now, as a changed constant makes."""
-    for target in targets:
-        if target.quantity == "lift_over_weight" and not target.is_edge:
-            now = target.scale * slopes.value[target.quantity][target.point]
-            return bool(abs(now - target.nominal) > _SAME * abs(target.nominal))
-    return False
 
 
 def require_samples(samples: int, seed: int, prefix: str = "") -> None:

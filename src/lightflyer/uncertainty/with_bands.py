@@ -13,7 +13,6 @@ from lightflyer.force.base import AbstractForceModel
 from lightflyer.prediction.prediction import Prediction, predict_design
 from lightflyer.uncertainty.propagation import (
     DEFAULT_SAMPLES,
-    PredictionUncertainty,
     propagate,
     require_samples,
 )
@@ -84,11 +83,5 @@ def predict_with_bands(
 ) -> Prediction:
     """A prediction whose bands are computed when asked for; to first order without samples."""
     require_samples(samples, seed)
-    bands = partial(_propagate, design.with_open_errors(), samples, seed)
+    bands = partial(propagate, design.with_open_errors(), samples=samples, seed=seed)
     return replace(predict_design(design, at), propagate=bands)
-
-
-def _propagate(
-    design: AbstractDesign, samples: int, seed: int, found: Prediction
-) -> PredictionUncertainty | None:
-    return propagate(design, prediction=found, samples=samples, seed=seed)

@@ -13,7 +13,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.lab.ftir.reduction import reduce_ftir, to_dataset
-from lightflyer.lab.readers import jcamp_dx, spc, vendors
+from lightflyer.lab.readers import jcamp_dx, vendors
 from lightflyer.lab.readers.formats import Source, read_source
 from lightflyer.lab.readers.interpretation import (
     Axis,
@@ -118,7 +118,7 @@ def test_raw_values_of_omnic_and_grams():
         [0.017102178186178207, 0.8031986951828003, 0.032076966017484665],
     )
     assert one.abscissa[[0, 1, -1]] == pytest.approx([3996.82324219, 3994.89463318, -3005.95605469])
-    (two,) = spc.read_spc(read_source(SAMPLES / "grams.spc"))
+    (two,) = vendors.read_spc(read_source(SAMPLES / "grams.spc"))
     np.testing.assert_array_equal(two.abscissa[[0, 50, 150]], [15590.0, 15585.0, 15575.0])
     np.testing.assert_array_equal(two.ordinate[[0, 50, 150]], [27.0, 30.0, 43.0])
 

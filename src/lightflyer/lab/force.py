@@ -200,7 +200,7 @@ class VaneForces(LabResult):
     @property
     def largest(self) -> tuple[float, float]:
         """Pressure [Pa] and size [N] of the largest force of the curve."""
-        place = int(np.argmax(self.force))
+        place = np.argmax(self.force)
         return float(self.pressure[place]), float(self.force[place])
 
     def parts(self) -> Parts:
@@ -209,9 +209,8 @@ class VaneForces(LabResult):
             count = len(self.points.numbers["force"])
             yield f"measured over predicted, {count} points: {self.ratio} (95 %)"
         at, most = self.largest
-        (place,) = (self.pressure == at).nonzero()
-        low, high = self.band[:, place[0]] / MICRONEWTON
-        (knudsen,) = self.vane.knudsen(self.pressure[place])
+        low, high = self.band[:, np.argmax(self.force)] / MICRONEWTON
+        (knudsen,) = self.vane.knudsen(np.array([at]))
         yield (
             f"largest force predicted: {most / MICRONEWTON:.3g} µN ({low:.3g} to {high:.3g}) at "
             f"{at:.3g} Pa, Kn {knudsen:.2g}"

@@ -213,31 +213,25 @@ def combine_repeats(means: Sequence[tuple[float, float]], accuracy: float) -> Me
     return MeanShare(float(values.mean()), scatter, len(values) - 1, accuracy)
 
 
-class Bounds:
-    """Cuts estimates of shares at 0 and 1 and says what it cut in ``warnings``, one line each."""
-
-    def __init__(self) -> None:
-        self.warnings: list[str] = []
-
-    def cut(self, quantity: str, where: str, estimate: Estimate) -> Estimate:
-        """The estimate with what is possible of it; its uncertainty is unchanged."""
-        low, high = estimate.interval
-        if high < 0.0 or low > 1.0:
-            beyond = "below 0" if high < 0.0 else "above 1"
-            raise ParameterError(
-                f"{quantity} {where} is {estimate.value:.4g} ({low:.4g} to {high:.4g}), {beyond} "
-                f"by more than its uncertainty: {_ADVICE[quantity]}"
-            )
-        possible = estimate.clipped(0.0, 1.0)
-        if possible.value != estimate.value:
-            self.warnings.append(
-                f"{quantity} {where} came out as {estimate.value:.4g}, which is impossible but "
-                f"within its uncertainty of {possible.value:g}; {possible.value:g} is given"
-            )
-        elif low < 0.0 or high > 1.0:
-            end = 0 if low < 0.0 else 1
-            self.warnings.append(f"the interval of the {quantity} {where} is cut at {end}")
-        return possible
+def cut(quantity: str, where: str, estimate: Estimate, said: list[str]) -> Estimate:
+    """A share with what is possible of it; a line for what is cut is added to ``said``."""
+    low, high = estimate.interval
+    if high < 0.0 or low > 1.0:
+        beyond = "below 0" if high < 0.0 else "above 1"
+        raise ParameterError(
+            f"{quantity} {where} is {estimate.value:.4g} ({low:.4g} to {high:.4g}), {beyond} by "
+            f"more than its uncertainty: {_ADVICE[quantity]}"
+        )
+    possible = estimate.clipped(0.0, 1.0)
+    if possible.value != estimate.value:
+        said.append(
+            f"{quantity} {where} came out as {estimate.value:.4g}, which is impossible but within "
+            f"its uncertainty of {possible.value:g}; {possible.value:g} is given"
+        )
+    elif low < 0.0 or high > 1.0:
+        end = 0 if low < 0.0 else 1
+        said.append(f"the interval of the {quantity} {where} is cut at {end}")
+    return possible
 
 
 def spectrum_warnings(

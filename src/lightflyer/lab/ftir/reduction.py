@@ -266,9 +266,8 @@ def reduce_ftir(
     if not spectra:
         raise ParameterError("a spectrum of transmittance is needed")
     whole = [*spectra, *reflectances]
-    for one, quantity in zip(
-        whole, ["transmittance"] * len(spectra) + ["reflectance"] * len(reflectances), strict=True
-    ):
+    named = (("transmittance", spectra), ("reflectance", reflectances))
+    for quantity, one in ((name, one) for name, group in named for one in group):
         if one.quantity != quantity:
             raise ParameterError(f"{one.source}: shows {one.quantity}, not {quantity}")
         if quantity == "reflectance" and one.collection == "diffuse":
@@ -303,11 +302,11 @@ def reduce_ftir(
                 f"accuracy of {used:.2g} is stated or assumed: are all of one film?"
             ))  # fmt: skip
     rest = {where: means.remainder([one[where] for one in raw]) for where in raw[0]}
-    bounds, unsaid = means.Bounds(), means.Bounds()
-    transmittance = _cut(bounds, "transmittance", raw[0])
-    reflectance = _cut(bounds, "reflectance", raw[1]) if reflectances else None
+    said: list[str] = []
+    transmittance = _cut("transmittance", raw[0], said)
+    reflectance = _cut("reflectance", raw[1], said) if reflectances else None
     # without reflectance the rest is cut where the transmittance was, which has been said
-    emissivity = _cut(bounds if reflectances else unsaid, "emissivity", rest)
+    emissivity = _cut("emissivity", rest, said if reflectances else [])
     return Ftir(
         spectra=list(spectra),
         reflectances=list(reflectances),
@@ -315,8 +314,8 @@ def reduce_ftir(
         transmittance=transmittance,
         reflectance=reflectance,
         emissivity=emissivity.band if reflectances else None,
-        upper_bound=unsaid.cut(
-            "emissivity", _BAND_MEAN, means.remainder([raw[0][_BAND_MEAN]]).estimate()
+        upper_bound=means.cut(
+            "emissivity", _BAND_MEAN, means.remainder([raw[0][_BAND_MEAN]]).estimate(), []
         ),
         planck_emissivity=emissivity.planck,
         uncovered_band=uncovered_band,
@@ -326,7 +325,7 @@ def reduce_ftir(
             *means.coverage_warnings(whole, band, uncovered_band, uncovered),
             *far,
             *means.spectrum_warnings(spectra, reflectances, band, used),
-            *bounds.warnings,
+            *said,
             *means.accuracy_warnings(accuracy, used),
             *(doubts_of("emissivity", EMISSIVITY, emissivity.band.value) if reflectances else []),
         ),
@@ -342,15 +341,11 @@ def _common_range(spectra: Sequence[MeasuredSpectrum]) -> tuple[float, float]:
     return low, high
 
 
-def _cut(
-    bounds: means.Bounds, quantity: str, shares: dict[str | float, means.MeanShare]
-) -> Averages:
-    found = {
-        where: bounds.cut(
-            quantity, where if isinstance(where, str) else f"at {where:g} K", share.estimate()
-        )
-        for where, share in shares.items()
-    }
+def _cut(quantity: str, shares: dict[str | float, means.MeanShare], said: list[str]) -> Averages:
+    found = {}
+    for where, share in shares.items():
+        words = where if isinstance(where, str) else f"at {where:g} K"
+        found[where] = means.cut(quantity, words, share.estimate(), said)
     return Averages(found.pop(_BAND_MEAN), found)  # type: ignore[arg-type]
 
 

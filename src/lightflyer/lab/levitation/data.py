@@ -131,7 +131,6 @@ class Minimum:
     grid: np.ndarray  # shape (m,); log-pressures of the curve
     curve: np.ndarray  # shape (m,); log-irradiance there
     curves: np.ndarray  # shape (b, m); draws from the distribution of the true curve
-    residuals: np.ndarray  # shape (n,); of log-irradiance, in standard errors as stated or found
     alike: float  # Points at neighbouring pressures that deviate from the curve together
     # Scatter over what is stated, and the probability of more by chance; NaN where none is stated
     excess: float
@@ -286,7 +285,7 @@ def minimum(
         places, values, edges = _least(grid, curves)
     return Minimum(
         float(place), float(value), int(edge), places, values, edges, grid, curve, curves,
-        (y - fitted) / error, alike, np.nan if stated is None else float(np.sqrt(variance)),
+        alike, np.nan if stated is None else float(np.sqrt(variance)),
         np.nan if stated is None else probability, gap,
     )  # fmt: skip
 

@@ -13,7 +13,7 @@ from lightflyer.core.errors import ConfigurationError, MissingExtraError
 from lightflyer.core.quantity import Length, Quantity
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
-from lightflyer.lab.readers import formats, jasco, jcamp_dx, spc, vendors
+from lightflyer.lab.readers import formats, jasco, jcamp_dx, vendors
 from lightflyer.lab.readers.interpretation import PER_CENTIMETRE as PER_CENTIMETRE
 from lightflyer.lab.readers.interpretation import MeasuredSpectrum as MeasuredSpectrum
 from lightflyer.lab.readers.interpretation import ReadOptions, interpret_spectrum, readable, shows
@@ -23,14 +23,14 @@ SPECTRUM_FORMATS = [
     formats.Format(vendors.OMNIC, formats.starts_with(vendors.OMNIC_MAGIC), vendors.read_omnic),
     formats.Format(vendors.SP, formats.starts_with(vendors.SP_MAGIC), vendors.read_sp),
     formats.Format(jasco.JWS, jasco.is_jws, jasco.read_jws),
-    formats.Format(spc.FORMAT, spc.is_spc, spc.read_spc),
+    formats.Format(vendors.SPC, vendors.is_spc, vendors.read_spc),
     formats.Format(jcamp_dx.FORMAT, jcamp_dx.is_jcamp, jcamp_dx.read_jcamp),
     formats.Format(vendors.ASC, vendors.is_asc, vendors.read_asc),
     formats.Format(jasco.TEXT, jasco.is_jasco_text, jasco.read_jasco_text),
 ]
 """All formats; binary ones, whose first bytes tell, before text. A plug-in adds its own."""
 
-_BINARY = {".spa": vendors.OMNIC, ".spg": vendors.OMNIC, ".spc": spc.FORMAT, ".sp": vendors.SP,
+_BINARY = {".spa": vendors.OMNIC, ".spg": vendors.OMNIC, ".spc": vendors.SPC, ".sp": vendors.SP,
            ".jws": jasco.JWS, ".jrs": jasco.JWS}  # fmt: skip
 _NOT_READ = {".srs": "a series of OMNIC", ".map": "a map of OMNIC", ".jwb": "a block of JASCO",
              ".fsm": "an image of PerkinElmer", ".wdf": "Raman data of Renishaw",

@@ -16,6 +16,7 @@ The power spectrum is that of [ISO25178]_ over spatial frequencies, averaged ove
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -38,7 +39,6 @@ _RINGS = {0: (3, 5, 8, 12), 2: (5, 8, 12, 18, 27, 40), 5: (12, 18, 27, 40)}
 
 _DIRECTIONS = 8
 _PATCHES = 400.0  # independent patches from which a distribution of heights is known
-_MAD_TO_DEVIATION = 1.482602218505602  # for normally distributed heights
 _TAILS = np.array([0.10, 0.15, 0.25])  # of the distribution, free of a few per cent of particles
 _WINSOR = 3.0
 _NEAR_TAIL = 0.01
@@ -66,10 +66,8 @@ def level(height: np.ndarray, mask: np.ndarray | None = None, order: int = 2) ->
     """Subtract the polynomial that fits a map best [m], shape (rows, columns)."""
     # Legendre polynomials are nearly orthogonal on the pixels: well-conditioned normal equations
     rows, columns = (np.linspace(-1.0, 1.0, count) for count in height.shape)
-    along = [np.polynomial.Legendre.basis(degree) for degree in range(order + 1)]
     first, second = np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)]).T
-    ys = np.stack([one(rows) for one in along])
-    xs = np.stack([one(columns) for one in along])
+    ys, xs = (np.polynomial.legendre.legvander(one, order).T for one in (rows, columns))
     kept = np.ones(height.shape) if mask is None else (~mask).astype(float)
     # separate products over rows and columns avoid a matrix with a row for every pixel
     products = np.einsum("ar,br,rc,dc,ec->abde", ys, ys, kept, xs, xs, optimize=True)
@@ -275,8 +273,7 @@ def _reliefs(even: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
             yield step, smooth - np.median(smooth)
 
 
-def _deviation(values: np.ndarray) -> float:
-    return _MAD_TO_DEVIATION * float(np.median(np.abs(values - np.median(values))))
+_deviation = partial(stats.median_abs_deviation, axis=None, scale="normal")
 
 
 def count_objects(mask: np.ndarray) -> int:
@@ -320,8 +317,7 @@ def spread(
 def _cosine_power(values: np.ndarray) -> np.ndarray:
     """Squares of the lowest orthonormal cosine coefficients; shape (modes, modes)."""
     modes = min(*values.shape, SPECTRUM)
-    along = fft.dct(values, axis=0, norm="ortho")[:modes]
-    return fft.dct(along, axis=1, norm="ortho")[:, :modes] ** 2
+    return np.asarray(fft.dctn(values, norm="ortho")[:modes, :modes] ** 2)
 
 
 def _loss(

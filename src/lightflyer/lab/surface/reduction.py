@@ -403,20 +403,14 @@ def to_dataset(results: Sequence[Roughness]) -> "xr.Dataset":
             Series(f"mask_{number}", mask, "", "0 surface, 1 particle, 2 hole"),
         ], file=one.source.source)  # fmt: skip
         texture = one.texture
-        for at, values, unit, name, value, of in (
-            ("distance", texture.distance, "m", "autocorrelation", texture.autocorrelation, ""),
-            (
-                "frequency",
-                texture.frequency,
-                "m^-1",
-                "power_spectral_density",
-                texture.power,
-                "m^4",
-            ),
-        ):
-            over = f"{at}_{number}"
-            found |= variables(over, [
-                Series(over, values, unit, at), Series(f"{name}_{number}", value, of, name)
+        for at, of in (
+            (Series("distance", texture.distance, "m"),
+             Series("autocorrelation", texture.autocorrelation)),
+            (Series("frequency", texture.frequency, "m^-1"),
+             Series("power_spectral_density", texture.power, "m^4")),
+        ):  # fmt: skip
+            found |= variables(f"{at.name}_{number}", [
+                one._replace(name=f"{one.name}_{number}", label=one.name) for one in (at, of)
             ])  # fmt: skip
     said = summary(results)["warnings"]
     return dataset("roughness", found, [one.source.source for one in results], warnings=said)

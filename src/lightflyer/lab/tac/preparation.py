@@ -6,9 +6,10 @@ Before are the rows that serve, their weights and a first guess.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy import ndimage, stats
 from scipy.optimize import least_squares
 
 from lightflyer.core import constants
@@ -95,8 +96,7 @@ class Bench:
         require_range("emissivity", self.emissivity, 0.0, 1.0)
 
 
-@dataclass(frozen=True)
-class Prepared:
+class Prepared(NamedTuple):
     """A run with what its fit starts from."""
 
     run: TacRun
@@ -191,8 +191,7 @@ def rows_off_the_curve(problem: HeaterProblem, lines: np.ndarray) -> np.ndarray:
     problem = problem.held({})
     order = np.argsort(problem.pressure, kind="stable")
     some = problem.rows(order[:: max(1, len(order) // _ROBUST_ROWS)])
-    padded = np.pad(some.conductance, _WINDOW // 2, mode="edge")
-    smooth = np.median(np.lib.stride_tricks.sliding_window_view(padded, _WINDOW), axis=1)
+    smooth = ndimage.median_filter(some.conductance, _WINDOW, mode="nearest")
     tac, ratio, offset = first_guess(replace(some, conductance=smooth, weight=1.0 / smooth))
     start = np.array([tac, ratio, max(offset, 0.0)])
     scale = max(float(np.median(np.abs(_log_deviations(some, start)))), _LEAST_DEVIATION / _SUSPECT)

@@ -43,6 +43,9 @@ _RAW, _CAMERA = 1, 32  # types of records
 _ENTRY = 32  # bytes
 _PIXELS_AT = 32  # in the record of raw data
 _CAMERA_SIZE = 784  # bytes
+_PLACES = {"emissivity": 32, "distance": 36, "reflected_temperature": 40, "air_temperature": 44,
+           "window_temperature": 48, "window_transmittance": 52, "humidity": 60, "r1": 88, "b": 92,
+           "f": 96, "r2": 780, "share": 128}  # fmt: skip
 _PNG = b"\x89PNG"
 
 
@@ -162,29 +165,11 @@ def read_flir(path: Path, content: bytes) -> tuple[np.ndarray, CameraSettings]:
         def number(place: int, kind: str = "f") -> float:
             return float(struct.unpack_from(order + kind, record, place)[0])
 
-        emissivity, distance, reflected, air, window, transmittance = (
-            number(32 + 4 * place) for place in range(6)
-        )
-        counts, settings = (
-            _raw(found[_RAW]),
-            CameraSettings(
-                emissivity,
-                distance,
-                reflected,
-                air,
-                window,
-                transmittance,
-                number(60),
-                r1=number(88),
-                b=number(92),
-                f=number(96),
-                o=number(776, "i"),
-                r2=number(780),
-                alpha=(number(112), number(116)),
-                beta=(number(120), number(124)),
-                share=number(128),
-            ),
-        )
+        counts = _raw(found[_RAW])
+        settings = CameraSettings(
+            **{name: number(place) for name, place in _PLACES.items()}, o=number(776, "i"),
+            alpha=(number(112), number(116)), beta=(number(120), number(124)),
+        )  # fmt: skip
         if wrong := settings.problem():
             raise _WrongError(wrong)
     except _WrongError as error:

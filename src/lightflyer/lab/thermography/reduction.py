@@ -157,12 +157,7 @@ class RadiativeProperties(LabResult):
 
 def properties_of(readings: Readings) -> np.ndarray:
     """Reflectance, transmittance and remainder of each row of readings [1], shape (3, n)."""
-    scene = readings.scene
-    extra = [scene.hotplate_emissivity.value]
-    if scene.film_temperature is not None:
-        extra.append(scene.film_temperature.value)
-    count = readings.values.shape[1]
-    return _properties(readings, np.vstack([readings.values, *([one] * count for one in extra)]))
+    return _properties(readings, _inputs(readings)[0])
 
 
 def reduce_readings(
@@ -215,7 +210,8 @@ def reduce_readings(
     count = each.shape[1]
     value = each.mean(axis=1)
     scatter = np.cov(each) / count if count > 1 else np.zeros((3, 3))
-    mean, spread = _inputs(readings)
+    rows, spread = _inputs(readings)
+    mean = rows.mean(axis=1)
     if readings.scene.film_temperature is not None:  # its emission must not hide the rest
         warm = mean + np.array([0.0, 0.0, 0.0, 0.0, 0.0, _CLEAR * spread[5]])
         source, _, _, background, emissivity, film = _radiation(warm, _law(readings)[0])
@@ -263,12 +259,16 @@ def to_dataset(result: RadiativeProperties, files: Sequence[str]) -> "xr.Dataset
 
 
 def _inputs(readings: Readings) -> tuple[np.ndarray, np.ndarray]:
-    """Mean readings, hotplate's emissivity and film's temperature, with standard uncertainties."""
+    """Readings, hotplate's emissivity and film's temperature of each row, shape (5 or 6, n).
+
+    Also their standard uncertainties.
+    """
     scene = readings.scene
     extra = [scene.hotplate_emissivity, *filter(None, [scene.film_temperature])]
-    mean = [*readings.values.mean(axis=1), *(one.value for one in extra)]
+    same = np.ones(readings.values.shape[1])
     spread = [*readings.uncertainties, *(one.uncertainty or 0.0 for one in extra)]
-    return np.array(mean), np.array(spread)
+    rows = np.vstack([readings.values, *(one.value * same for one in extra)])
+    return rows, np.array(spread)
 
 
 def _law(readings: Readings) -> tuple[Callable[..., Any], Callable[..., Any]]:
@@ -361,8 +361,9 @@ def _judge(
         method.remainder, ABSORPTANCE if light else EMISSIVITY, first["emissivity"].value,
         unit if apart >= _OTHER_UNIT else "",
     )  # fmt: skip
-    mean, spread = _inputs(readings)
-    stated = np.sqrt(((_derivatives(readings, mean) * spread) ** 2).sum(axis=1))[2]
+    inputs, spread = _inputs(readings)
+    slopes = _derivatives(readings, inputs.mean(axis=1))
+    stated = np.sqrt(((slopes * spread) ** 2).sum(axis=1))[2]
     scatter = float(rows[2].std(ddof=1)) if rows.shape[1] > 1 else 0.0
     if scatter > _FAR_ABOVE * stated > 0.0:
         warnings.append(Doubt(

@@ -5,6 +5,7 @@ A matrix of numbers in a text file or workbook may be a height map or a thermal 
 
 import re
 import struct
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +21,11 @@ from lightflyer.files import number_marks as marks_of
 from lightflyer.files.table_file import read_lines
 from lightflyer.files.table_layout import is_comment, split_cells
 from lightflyer.files.table_rows import Rejected
+
+WORDS: dict[str, Any] = tomllib.loads(
+    (Path(__file__).parents[2] / "data" / "instruments.toml").read_text(encoding="utf-8")
+)
+"""What files of instruments call things, and codes that their makers use."""
 
 _ORDERS = {b"II*\0": "<", b"MM\0*": ">"}
 _ENTRY = "HHII"  # code, type, count, value or its place

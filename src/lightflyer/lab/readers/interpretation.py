@@ -11,6 +11,7 @@ from lightflyer.core.errors import ParameterError
 from lightflyer.core.quantity import Quantity
 from lightflyer.files.table_rows import Rejected
 from lightflyer.lab.readers.formats import (
+    WORDS,
     Collection,
     Ordinate,
     RawSpectrum,
@@ -20,43 +21,10 @@ from lightflyer.lab.readers.formats import (
 
 PER_CENTIMETRE = 100.0  # One reciprocal centimetre [1/m]
 
-_WAVENUMBERS = {
-    "1/cm", "/cm", "cm-1", "cm^-1", "cm**-1", "cm⁻¹", "wavenumber", "wavenumbers",
-    "wavenumbercm-1", "wavenumbers(cm-1)", "wn", "reciprocalcentimeters",
-}  # fmt: skip
-_WAVELENGTHS = {
-    **dict.fromkeys(["nm", "nanometer", "nanometers", "nanometre", "nanometres"], 1e-9),
-    **dict.fromkeys(
-        ["um", "micrometer", "micrometers", "micrometre", "micrometres", "micron", "microns"], 1e-6
-    ),
-}
+_WAVELENGTHS = {"nm": 1e-9, "um": 1e-6}  # [m]
 _AXIS = re.compile(r"^(?:wave(?:number|length)s?)?[\[(/]?(.*?)[\])]?$")
 
-_QUANTITIES = {
-    word: quantity
-    for quantity, words in {
-        "transmittance": "t trans transmittance transmission transmitance",
-        "reflectance": "r refl reflectance reflection reflectivity",
-        "absorbance": "a abs absorbance absorbanceunits opticaldensity od",
-        "log(1/R)": "log(1/r) log1/r -log(r) -logr",
-    }.items()
-    for word in words.split()
-} | {"": ""}
-_REFUSED = (
-    (r"kubelka|\bk-?m\b", "Kubelka-Munk units, from which no reflectance follows without the "
-     "scattering; export it as %R"),
-    (r"interferogram|i-?gram", "an interferogram; export the spectrum as %T or %R"),
-    (r"single.?(?:beam|channel)|\bsb(?:eam)?\b|\begy\b|energy|background|reference",
-     "a single beam; divide it by its background and export %T or %R"),
-    (r"\barb", "arbitrary units, which are no share of light; export %T or %R"),
-    (r"raman", "Raman intensity, not transmittance or reflectance"),
-    (r"emi(?:ssion|ttance|ssivity)", "emission, not transmittance or reflectance"),
-    (r"photoacoustic", "a photoacoustic signal, not transmittance or reflectance"),
-    (r"\batr\b", "ATR units, which depend on the crystal; "
-     "measure transmittance and reflectance"),
-    (r"absorptance|absorption", "absorption; export transmittance or reflectance"),
-    (r"derivative", "a derivative; export the spectrum itself"),
-)  # fmt: skip
+_QUANTITIES = {word: name for name, words in WORDS["ordinates"].items() for word in words}
 
 # wider than zero to one for noise, and for detectors that are not quite linear
 SHARE = Quantity("", -0.2, 1.5)  # Transmittance and reflectance that a file may hold
@@ -67,9 +35,6 @@ _KEPT = 2 / 3  # share of the points that is left without its ends, at least
 _LEAST_KEPT = 20
 _MOSTLY = 0.5  # share of the points above any fraction, from which an ordinate is in per cent
 _NO_METADATA = SpectrumMetadata("")
-_SPHERE = ("sphere", "ulbricht", "isn-", "isv-", "ilv-", "iln-", "isr-")
-_SPECULAR = ("specular", "vw", "variable angle", "absolute reflect", "arn-", "arv-", "armn-",
-             "universal reflectance", "ura")  # fmt: skip
 
 
 class Axis(NamedTuple):
@@ -93,10 +58,11 @@ def axis_of(name: str) -> Axis | None:
     text = re.sub(r"\s+", "", name.casefold()).replace("µ", "u").replace("μ", "u")
     match = _AXIS.match(text)
     inner = match[1] if match else text
-    if text in _WAVENUMBERS or inner in _WAVENUMBERS:
-        return Axis(PER_CENTIMETRE, is_wavelength=False)
-    scale = _WAVELENGTHS.get(text, _WAVELENGTHS.get(inner))
-    return None if scale is None else Axis(scale, is_wavelength=True)
+    for unit, names in WORDS["axes"].items():
+        if text in names or inner in names:
+            scale = _WAVELENGTHS.get(unit)
+            return Axis(scale or PER_CENTIMETRE, is_wavelength=scale is not None)
+    return None
 
 
 def parse_ordinate(name: str) -> OrdinateUnit | str:
@@ -109,7 +75,7 @@ def parse_ordinate(name: str) -> OrdinateUnit | str:
     quantity = _QUANTITIES.get(core)
     if quantity is not None:
         return OrdinateUnit(quantity, percent)
-    for pattern, what in _REFUSED:
+    for pattern, what in WORDS["refused"].items():
         if re.search(pattern, text):
             return f"shows {what}"
     return f'shows "{name[:40]}", which is not known as transmittance, reflectance or absorbance'
@@ -332,8 +298,5 @@ def _possible(
 
 def _collection_of(metadata: SpectrumMetadata) -> Collection | None:
     said = metadata.accessory.casefold()
-    if any(word in said for word in _SPHERE):
-        return "total"
-    if "diffuse" in said or "drift" in said:
-        return "diffuse"
-    return "specular" if any(word in said for word in _SPECULAR) else None
+    known = WORDS["collected"].items()
+    return next((light for light, words in known if any(word in said for word in words)), None)

@@ -14,6 +14,7 @@ import numpy as np
 from lightflyer.core.extras import extra
 from lightflyer.lab.readers.formats import (
     MOST_POINTS,
+    WORDS,
     RawSpectrum,
     Source,
     SpectrumMetadata,
@@ -25,14 +26,6 @@ TEXT = "JASCO text"
 
 _START = re.compile(r"\s*TITLE\s*[\t,;]", re.I)
 _TABLE = re.compile(r"^XYDATA[\t,; ]*\r?$", re.I | re.M)
-_KEYS = {
-    "instrument": ("SPECTROMETER/DATA SYSTEM", "Model Name", "Model name", "機種名"),
-    "resolution": ("Resolution", "RESOLUTION", "分解", "UV/Vis bandwidth", "UV/Vis バンド幅"),
-    "accessory": ("Accessory name", "Accessory", "付属品名"),
-    "sample": ("TITLE", "Sample name", "試料名"),
-    "measured": ("Measurement Date", "Measurement date", "測定日時", "DATE"),
-}
-_VERTICAL_AXES = ("Vertical axis", "縦軸", "Photometric mode", "測光モード")
 _ROUNDED = 1e-3  # by which an extreme value of the header may differ from the data, of the largest
 _PER_CENT = {"transmittance", "reflectance", "%t", "%r"}
 
@@ -40,10 +33,8 @@ JWS = "JASCO .jws"
 
 _MAGIC = b"L~S "
 _OLE_MAGIC = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
-_ABSCISSAE = {0x00: "1/CM", 0x01: "Raman shift", 0x03: "NANOMETERS"}
-_ORDINATES = {0x00: "%T", 0x02: "%R", 0x03: "Abs", 0x08: "single beam (background)",
-              0x09: "single beam (reference)", 0x0A: "single beam (sample)",
-              0x0E: "Raman intensity"}  # fmt: skip
+_LABELS = WORDS["jasco"]["labels"]
+_ABSCISSAE, _ORDINATES = WORDS["jasco"]["abscissae"], WORDS["jasco"]["ordinates"]
 _GRID = struct.Struct("<iddd")  # points, first, last, step
 _AT_GRID, _AT_UNITS, _AT_LENGTH = 0x84, 0xA0, 0xC8
 _AT_INSTRUMENT, _AT_TITLE, _AT_DATA = 0x140, 0x180, 0x740
@@ -109,10 +100,11 @@ def read_jasco_text(source: Source) -> list[RawSpectrum]:
     said = header | {key: one for key, one in _labels(lines[end:]).items() if key not in header}
     metadata = {
         name: one_line(next((said[key] for key in keys if said.get(key)), ""))[:80]
-        for name, keys in _KEYS.items()
+        for name, keys in _LABELS.items()
+        if name != "ordinate"
     }
     named = header.get("YUNITS", "")
-    ordinate = next((said[key] for key in _VERTICAL_AXES if said.get(key)), named)
+    ordinate = next((said[key] for key in _LABELS["ordinate"] if said.get(key)), named)
     per_cent = named.casefold() in _PER_CENT
     return [
         RawSpectrum(
@@ -208,7 +200,7 @@ def _spectrum(
         if abs(end - last) <= abs(step)
         else (f"it says that it ends at {last:g}, its {count} points at {end:g}: was it stopped?",)
     )
-    unit, mode = codes
+    unit, mode = map(str, codes)
     if unit not in _ABSCISSAE or mode not in _ORDINATES:
         source.refuse(f"its axes have the unknown codes {unit} and {mode}; export text")
     ordinate = _ORDINATES[mode]

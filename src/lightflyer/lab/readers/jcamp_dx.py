@@ -12,6 +12,7 @@ import numpy as np
 
 from lightflyer.lab.readers.formats import (
     MOST_POINTS,
+    WORDS,
     RawSpectrum,
     Source,
     SpectrumMetadata,
@@ -34,11 +35,6 @@ _CHECK = 0.5  # of the last digit, by which the repeated ordinate may differ
 FORMAT = "JCAMP-DX"
 _LABEL = re.compile(r"^\s*##([^=\n]{0,60})=(.*)$")
 _START = re.compile(r"\s*(?:\$\$[^\n]*\n\s*)*##\s*(?:TITLE|JCAMP-?DX)\s*=", re.I)
-_TABLES = {"XYDATA": "a spectrum", "XYPOINTS": "a spectrum", "PEAKTABLE": "a peak table",
-           "PEAKASSIGNMENTS": "a peak table", "NTUPLES": "an NTUPLES table",
-           "DATATABLE": "an NTUPLES table", "PAGE": "an NTUPLES table"}  # fmt: skip
-_KINDS = (("PEAK", "a peak table"), ("RAMAN", "a Raman spectrum"), ("MASS", "a mass spectrum"),
-          ("NMR", "an NMR spectrum"), ("INTERFEROGRAM", "an interferogram"))  # fmt: skip
 _ROUNDED = 2e-3  # by which stated ordinates may differ from the data, of the largest
 
 
@@ -186,8 +182,8 @@ def read_jcamp(source: Source) -> list[RawSpectrum]:
     for block in _blocks(source, text.splitlines()):
         # what a block holds; nothing where it only links others
         kind = f"{block.entry_of('DATATYPE')} {block.entry_of('DATACLASS')}".upper()
-        tables = [one for label, one in _TABLES.items() if label in block.entries]
-        named = [one for word, one in _KINDS if word in kind]
+        tables = [one for label, one in WORDS["jcamp"]["tables"].items() if label in block.entries]
+        named = [one for word, one in WORDS["jcamp"]["kinds"].items() if word in kind]
         what = named[0] if tables and named else next(iter(tables), "")
         if what == "a spectrum":
             found.append(_spectrum(source, block))

@@ -16,7 +16,7 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
 from lightflyer.core.units import scale_and_offset
-from lightflyer.lab.readers.formats import Source, require_sound_tiff
+from lightflyer.lab.readers.formats import WORDS, Source, require_sound_tiff
 
 _PREFERRED = ("height", "zsensor", "z-axis", "topography")
 """Parts of the names of channels with heights; the first one found is read."""
@@ -31,13 +31,6 @@ _NO_HEIGHT = re.compile(
 _IGOR = "Igor"
 _SURF_FIELDS = (164, 212)  # places of the name of the heights and of the unit of their step
 _NUMBERED = re.compile(r"\.\d{3}")  # Nanoscope's older files: map.000, map.001
-_CURVES = {
-    ".jpk-force": "force curves",
-    ".jpk-force-map": "a map of force curves",
-    ".jpk-qi-data": "a map of force curves",
-    ".jpk-qi-image": "images of a map of force curves",
-    ".jpk-qi-series": "force curves",
-}
 _COMPRESSED = b"DSCOMPRESSED"
 _TEXT = b"?*"
 _SHOWN = 200  # characters of a parser's message
@@ -171,10 +164,8 @@ INSTRUMENTS = (
 def instrument_of(source: Source) -> Instrument | None:
     """Format of a file by its beginning, or else by its suffix."""
     content, suffix = source.content, source.suffix
-    if suffix in _CURVES:
-        source.refuse(
-            f"contains {_CURVES[suffix]}, not a map of heights; export the height as .jpk or .gwy"
-        )
+    if curves := WORDS["not_read"]["height_maps"].get(suffix):
+        source.refuse(f"contains {curves}, not a map of heights; export the height as .jpk or .gwy")
     if content.startswith(_COMPRESSED):
         source.refuse("is compressed; save it in MountainsMap without compression")
     if content.startswith(_TEXT):

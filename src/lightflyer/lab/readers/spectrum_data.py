@@ -32,9 +32,6 @@ SPECTRUM_FORMATS = [
 
 _BINARY = {".spa": vendors.OMNIC, ".spg": vendors.OMNIC, ".spc": vendors.SPC, ".sp": vendors.SP,
            ".jws": jasco.JWS, ".jrs": jasco.JWS}  # fmt: skip
-_NOT_READ = {".srs": "a series of OMNIC", ".map": "a map of OMNIC", ".jwb": "a block of JASCO",
-             ".fsm": "an image of PerkinElmer", ".wdf": "Raman data of Renishaw",
-             ".ispd": "a file of Shimadzu", ".seq": "a sequence of Agilent"}  # fmt: skip
 _LISTED, _TITLE = 8, 40  # spectra that a message names, and characters of a title
 # as fractions, or as per cent that the header does not mark
 _SHARE = Quantity("", -20.0, 150.0)
@@ -71,7 +68,7 @@ def format_of(source: formats.Source) -> formats.Format | None:
     named = _BINARY.get(source.suffix)
     if found is None and named is not None:
         source.refuse(f"is damaged or not {named}, which its name says")
-    other = _NOT_READ.get(source.suffix)
+    other = formats.WORDS["not_read"]["spectra"].get(source.suffix)
     if found is None and other is not None:
         source.refuse(f"is {other}, which is not read; export the spectrum as text or JCAMP-DX")
     return found

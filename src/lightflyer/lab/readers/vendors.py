@@ -26,6 +26,7 @@ import numpy as np
 from lightflyer.core.extras import extra
 from lightflyer.lab.readers.formats import (
     MOST_POINTS,
+    WORDS,
     RawSpectrum,
     Source,
     SpectrumMetadata,
@@ -36,11 +37,7 @@ from lightflyer.lab.readers.formats import (
 OPUS = "Bruker OPUS"
 
 OPUS_MAGIC = b"\n\n\xfe\xfe"
-_KINDS = {"t": "transmittance", "a": "absorbance", "r": "reflectance", "km": "Kubelka-Munk",
-          "atr": "ATR", "e": "emission", "ra": "Raman intensity", "pas": "photoacoustic signal",
-          "sm": "single channel", "rf": "single channel of the reference",
-          "igsm": "interferogram", "igrf": "interferogram"}  # fmt: skip
-_OPUS_ABSCISSAE = {"WN": "cm-1", "MI": "um"}
+_KINDS = WORDS["opus"]["ordinates"]
 _ROUNDED = 1e-5  # by which the stated extremes may differ from the data, of the largest
 _OPUS_END = b"END"
 _PARAMETER = 8  # bytes before a parameter's value
@@ -54,10 +51,6 @@ _NAME = 256
 _OMNIC_HEADER, _OMNIC_VALUES, _OMNIC_HISTORY, _TITLE = 2, 3, 27, 107
 _END = (0, 1)
 _AXIS = struct.Struct("<4xIB3xB3xff")  # points, units of abscissa and ordinate, first, last
-_ABSCISSAE = {1: "cm-1", 2: "data points", 3: "nm", 4: "um", 32: "Raman shift"}
-_ORDINATES = {11: "%R", 15: "single beam", 16: "%T", 17: "absorbance", 20: "Kubelka-Munk",
-              21: "reflectance", 22: "interferogram", 26: "photoacoustic signal",
-              31: "Raman intensity"}  # fmt: skip
 _AMBIGUOUS = 12  # log(1/R) or Kubelka-Munk: sources differ
 _RESOLUTION = re.compile(r"Resolution:?\s*([\d.]+)")
 
@@ -96,11 +89,15 @@ _SUB_SIZE = 32
 _SUB_COUNT = 16  # place of the number of points in the header of one of several spectra
 _FLOATS = -128  # exponent of values that are floats
 _COMMENT, _LABEL_TEXT = 130, 30
-_SPC_ABSCISSAE = {1: "cm-1", 2: "um", 3: "nm", 13: "Raman shift"}
-_SPC_ORDINATES = {0: "arbitrary", 1: "interferogram", 2: "absorbance", 3: "Kubelka-Munk",
-                  4: "counts", 10: "log(1/R)", 11: "%", 12: "intensity", 13: "relative intensity",
-                  14: "energy", 128: "transmittance", 129: "reflectance", 130: "single beam",
-                  131: "emission"}  # fmt: skip
+
+
+def _names(maker: str, abscissa: int, ordinate: int) -> tuple[str, str]:
+    """Names of axes by their codes."""
+    known = WORDS[maker]
+    return (
+        known["abscissae"].get(str(abscissa), f"unit {abscissa}"),
+        known["ordinates"].get(str(ordinate), f"ordinate {ordinate}"),
+    )
 
 
 def read_opus(source: Source) -> list[RawSpectrum]:
@@ -181,7 +178,7 @@ def _spectrum(
     words = " ".join(str(said[key]) for key in ("dat", "tim") if key in said)
     return RawSpectrum(
         np.linspace(said["fxv"], said["lxv"], count), y,
-        _OPUS_ABSCISSAE.get(str(said.get("dxu")), str(said.get("dxu"))), name,
+        WORDS["opus"]["abscissae"].get(str(said.get("dxu")), str(said.get("dxu"))), name,
         replace(metadata, measured=one_line(words)),
         percent=False if name in ("transmittance", "reflectance") else None,
     )  # fmt: skip
@@ -235,7 +232,7 @@ def read_omnic(source: Source) -> list[RawSpectrum]:
             )
         spectra.append(RawSpectrum(
             np.linspace(first, last, count), np.frombuffer(data, "<f4").astype(float),
-            _ABSCISSAE.get(unit, f"unit {unit}"), _ORDINATES.get(ordinate, f"ordinate {ordinate}"),
+            *_names("omnic", unit, ordinate),
             SpectrumMetadata(OMNIC, sample=title, resolution=resolution),
         ))  # fmt: skip
     return spectra
@@ -378,10 +375,7 @@ def read_spc(source: Source) -> list[RawSpectrum]:
         )
     names = [plain(word) for word in data[labels : labels + _LABEL_TEXT].split(b"\x00")[:2]]
     if not flags & _LABELS or len(names) < 2 or not all(names):
-        names = [
-            _SPC_ABSCISSAE.get(abscissa, f"unit {abscissa}"),
-            _SPC_ORDINATES.get(ordinate, f"ordinate {ordinate}"),
-        ]
+        names = [*_names("spc", abscissa, ordinate)]
     if not 1 <= spectra <= len(data) // _SUB_SIZE:
         source.refuse(f"is damaged: it names {spectra} spectra")
     curves: list[tuple[np.ndarray, np.ndarray]] = []

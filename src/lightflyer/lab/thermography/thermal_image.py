@@ -20,6 +20,7 @@ from lightflyer.core.quantity import Temperature
 from lightflyer.core.text import read_content
 from lightflyer.core.units import Measured, parse, scale_and_offset
 from lightflyer.lab.readers.formats import (
+    WORDS,
     Format,
     Source,
     find_format,
@@ -44,14 +45,6 @@ _GDAL_METADATA, _GDAL_NO_DATA = 42112, 42113  # tags
 _EIGHT_BITS = 8
 UNIFORM = 2.0
 """Scatter of a region's pixels above which it is not called uniform [K]; an assumption."""
-_OTHERS = {
-    ".seq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
-    ".csq": "a sequence of FLIR; export one image as .fff, JPEG or CSV",
-    ".is2": "Fluke's own format; export CSV from Fluke Connect or SmartView",
-    ".bmt": "testo's own format; export CSV from IRSoft",
-    ".irb": "InfraTec's own format; export CSV from IRBIS",
-    ".ravi": "Optris' own format; export CSV or TIFF from PIX Connect",
-}
 _NOT_TAKEN = {
     "scale": "states its scale itself; leave --image-unit out",
     **dict.fromkeys(
@@ -243,8 +236,9 @@ def read_thermal_image(
     """
     source = read_source(Path(path))
     kind = find_format(source, THERMAL_IMAGE_FORMATS)
-    if kind is None and source.suffix in _OTHERS:
-        source.refuse(f"is {_OTHERS[source.suffix]}")
+    other = WORDS["not_read"]["thermal_images"].get(source.suffix)
+    if kind is None and other is not None:
+        source.refuse(f"is {other}")
     kind = kind or _MATRIX
     options = {
         "scale": scale, "emissivity": emissivity, "reflected_temperature": reflected_temperature

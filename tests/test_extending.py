@@ -1,5 +1,6 @@
 """The page *Extending lightflyer*, and the package that it makes, installed from its wheel."""
 
+import importlib
 import json
 import os
 import re
@@ -42,6 +43,7 @@ def page():
     names, bases = {"__name__": "page"}, (
         lf.flyer.FlyerSection, lf.force.ForceSection, lf.environment.EnvironmentSection
     )  # fmt: skip
+    importlib.import_module("lightflyer.config.flyer_file")  # finds ours, which are to stay
     with pytest.MonkeyPatch.context() as patch:
         for base in bases:
             patch.setattr(base, "alternatives", dict(base.alternatives))

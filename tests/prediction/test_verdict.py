@@ -211,8 +211,10 @@ def test_without_flight_or_limit(disk):
     heavy = dataclasses.replace(disk, payload=1e-3)
     prediction = lf.predict(heavy, earth, lf.Lu2023())
     assert prediction.verdict.limit == "light"
-    assert "It does not fly: " in str(prediction)
     free = lf.predict(disk, earth, lf.Lu2023())
+    most = f"; it carries at most {1e6 * free.best.values['payload']:.3f}"[:-2]
+    assert "It does not fly: " in str(prediction)
+    assert most in str(prediction).replace("\n", " ")
     assert free.verdict.usable == free.bands
     assert (free.verdict.survives, free.verdict.strongest_light) == (None, None)
     assert "its film's limit is not stated" in " ".join(str(free).split())

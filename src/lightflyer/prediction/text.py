@@ -113,7 +113,9 @@ def verdict_lines(
     several = f" of {shares.samples} samples"
     if not prediction.bands:
         but = f", but does in {_percent(shares.flies)}{several}" if shares.flies else ""
-        yield f"It does not fly{but}: lift is at most {most_lift(prediction, bands)}."
+        lifts = prediction.best.values["payload"] > 0.0  # itself, and a part of its payload
+        less = f"; it carries at most {_most_payload(prediction.best, bands)}" if lifts else ""
+        yield f"It does not fly{but}: lift is at most {most_lift(prediction, bands)}{less}."
         return
     often = f", in {_percent(shares.flies)}{several}," if shares.flies not in (None, 1.0) else ""
     night = ""

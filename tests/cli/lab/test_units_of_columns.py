@@ -12,84 +12,35 @@ from lightflyer.cli.commands.init import templates
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?")
 ZERO = Decimal("273.15")
-# New unit of a column, and what its numbers are multiplied by, or raised by, all exact in decimals
-MILLI, CENTI, PER_CENT = Decimal(1000), Decimal(100), Decimal("0.01")
-COMMANDS = {
-    "lab tac": ("tac-raw.csv --calibration tac-resistance.csv", {
-        "tac-raw.csv": {
-            "time [s]": ("ms", MILLI), "pressure [mTorr]": ("Torr", 1 / MILLI),
-            "heater_voltage [V]": ("mV", MILLI), "heater_current [mA]": ("A", 1 / MILLI),
-            "ambient_temperature [°C]": ("K", ZERO),
-        },
-        "tac-resistance.csv": {
-            "temperature [°C]": ("K", ZERO), "resistance [ohm]": ("mohm", MILLI),
-        },
-    }),
-    "lab tac ": ("tac-reduced.txt", {
-        "tac-reduced.txt": {
-            "Pressure (Pa)": ("hPa", 1 / CENTI), "Heater Power (mW)": ("W", 1 / MILLI),
-            "Heater Temperature (°C)": ("K", ZERO), "Ambient Temperature (°C)": ("K", ZERO),
-        },
-    }),
-    "lab levitation": ("levitation.csv --draws 100", {
-        "levitation.csv": {
-            "pressure [mTorr]": ("Torr", 1 / MILLI), "irradiance [kW/m^2]": ("mW/cm^2", CENTI),
-        },
-    }),
-    "lab levitation ": ("launchpads.csv --draws 100", {
-        "launchpads.csv": {
-            "Diameter (mm)": ("cm", Decimal("0.1")), "Floor gap (mm)": ("um", MILLI),
-            "Pressure (Pa)": ("kPa", 1 / MILLI), "Irradiance (W/m2)": ("kW/m2", 1 / MILLI),
-        },
-    }),
-    "lab thermography": ("thermal.csv --band '7.5-14 um' --accuracy '0.5 K' --draws 1000", {
-        "thermal.csv": {
-            "Hotplate temperature (°C)": ("K", ZERO), "Lower temperature (°C)": ("K", ZERO),
-            "Upper temperature (°C)": ("K", ZERO), "Ambient temperature (°C)": ("K", ZERO),
-        },
-    }),
-    "lab ftir": ("film.csv --reflectance film-reflectance.csv", {
-        "film.csv": {"Wavelength (µm)": ("nm", MILLI), "Transmittance (%)": ("1", PER_CENT)},
-        "film-reflectance.csv": {"cm-1": ("m-1", CENTI), "reflectance": ("%", CENTI)},
-    }),
-    "lab optics": ("sample.toml --starts 1", {
-        "visible-transmittance.csv": {
-            "wavelength [nm]": ("um", 1 / MILLI), "transmittance [%]": ("1", PER_CENT),
-        },
-        "infrared-transmittance.csv": {"wavenumber [cm^-1]": ("m^-1", CENTI)},
-    }),
-    "lab thermography ": ("thermal.csv --band camera.csv --accuracy '0.5 K' --draws 1000", {
-        "camera.csv": {"wavelength [um]": ("nm", MILLI)},
-    }),
-    "lab thermography  ": ("light-meter.csv --light-meter --draws 1000", {
-        "light-meter.csv": dict.fromkeys(
-            ("incident", "reflected", "transmitted", "dark"), ("mW/m^2", MILLI)
-        ),
-    }),
-    "calibrate": ("points.csv", {
-        "points.csv": {
-            "pressure [mTorr]": ("Torr", 1 / MILLI), "irradiance [W/m^2]": ("kW/m^2", 1 / MILLI),
-            "irradiance_uncertainty [W/m^2]": ("kW/m^2", 1 / MILLI),
-            "diameter [cm]": ("mm", Decimal(10)), "floor_gap [mm]": ("cm", Decimal("0.1")),
-        },
-    }),
-    "lab tac  ": ("tac-reduced.txt --gauge gauge.csv", {
-        "gauge.csv": {"shown [Pa]": ("hPa", 1 / CENTI), "pressure [Pa]": ("kPa", 1 / MILLI)},
-    }),
-    "lab optics ": ("angles.toml --starts 1", {
-        "psi-delta.csv": {"photon_energy [eV]": ("meV", MILLI), "psi [deg]": ("mdeg", MILLI),
-                          "delta [deg]": ("mdeg", MILLI), "incidence [deg]": ("mdeg", MILLI)},
-    }),
-    "film ": ("lines.toml", {
-        "permittivity.csv": {"wavenumber [cm^-1]": ("m^-1", CENTI)},
-        "energies.csv": {"photon_energy [eV]": ("meV", MILLI)},
-        "frequencies.csv": {"frequency [THz]": ("GHz", MILLI)},
-    }),
-    "film": ("film.toml", {
-        "index.csv": {"wavelength [um]": ("nm", MILLI)},
-        "lamp.csv": {"wavelength [nm]": ("um", 1 / MILLI)},
-    }),
+# New unit of numbers, and what these are multiplied by, or raised by, all exact in decimals
+MILLI, CENTI = Decimal(1000), Decimal(100)
+UNITS = {
+    "mTorr": ("Torr", 1 / MILLI), "Pa": ("kPa", 1 / MILLI), "s": ("ms", MILLI), "V": ("mV", MILLI),
+    "mA": ("A", 1 / MILLI), "mW": ("W", 1 / MILLI), "ohm": ("mohm", MILLI), "°C": ("K", ZERO),
+    "kW/m^2": ("mW/cm^2", CENTI), "W/m^2": ("kW/m^2", 1 / MILLI), "W/m2": ("kW/m2", 1 / MILLI),
+    "cm": ("mm", Decimal(10)), "mm": ("cm", Decimal("0.1")), "µm": ("nm", MILLI),
+    "um": ("nm", MILLI), "nm": ("um", 1 / MILLI), "cm^-1": ("m^-1", CENTI), "eV": ("meV", MILLI),
+    "THz": ("GHz", MILLI), "deg": ("mdeg", MILLI), "%": ("1", 1 / CENTI),
 }  # fmt: skip
+BARE = {"cm-1": ("m-1", CENTI), "reflectance": ("%", CENTI)} | dict.fromkeys(
+    ("incident", "reflected", "transmitted", "dark"), ("mW/m^2", MILLI)
+)
+"""The same for names of columns without a unit."""
+
+COMMANDS = [
+    "lab tac tac-raw.csv --calibration tac-resistance.csv",
+    "lab tac tac-reduced.txt --gauge gauge.csv",
+    "lab levitation levitation.csv --draws 100",
+    "lab levitation launchpads.csv --draws 100",
+    "lab thermography thermal.csv --band camera.csv --accuracy '0.5 K' --draws 1000",
+    "lab thermography light-meter.csv --light-meter --draws 1000",
+    "lab ftir film.csv --reflectance film-reflectance.csv",
+    "lab optics sample.toml --starts 1",
+    "lab optics angles.toml --starts 1",
+    "calibrate points.csv",
+    "film lines.toml",
+    "film film.toml",
+]
 OTHER_FILES = {
     "points.csv": re.sub(", +", ",", templates()["points"].read()),
     "camera.csv": "wavelength [um],response\n7,0\n8,1\n13,0.9\n14,0\n",
@@ -130,23 +81,28 @@ tac_bottom = 0.9
 }
 
 
-def in_other_unit(text, column, unit, size):
-    """A table with a column in another unit, its numbers exact; a size of 273.15 is added."""
+def in_other_units(text):
+    """A table with its columns in other units, its numbers exact; a size of 273.15 is added."""
     lines = text.lstrip("\N{ZERO WIDTH NO-BREAK SPACE}").splitlines()
-    mark = ";" if any(";" in line and column in line for line in lines) else ","
-    head = next(n for n, line in enumerate(lines) if column in line.split(mark))
+    head = next(n for n, line in enumerate(lines) if not line.startswith("#"))
+    mark = ";" if ";" in lines[head] else ","
     names = lines[head].split(mark)
-    place = names.index(column)
-    bare = column.partition(" (")[0].partition(" [")[0]
-    names[place] = f"{'wavenumber' if bare == 'cm-1' else bare} [{unit}]"
+    changes = {}
+    for place, name in enumerate(names):
+        bare, unit = re.fullmatch(r"(.*?)(?: [\[(](.*)[\])])?", name.strip()).groups()
+        new = UNITS[unit] if unit else BARE.get(bare)
+        if new is not None:
+            changes[place] = new[1]
+            names[place] = f"{'wavenumber' if bare == 'cm-1' else bare} [{new[0]}]"
     lines[head] = mark.join(names)
     for row in range(head + 1, len(lines)):
         cells = lines[row].split(mark)
-        text = "".join(cells[place : place + 1]).replace(",", ".")
-        if NUMBER.fullmatch(text):  # the others are faults, whose rows are left out
-            number = Decimal(text) + size if size == ZERO else Decimal(text) * size
-            cells[place] = f"{number:f}".replace(".", "." if mark == "," else ",")
-            lines[row] = mark.join(cells)
+        for place, size in changes.items():
+            text = "".join(cells[place : place + 1]).replace(",", ".")
+            if NUMBER.fullmatch(text):  # the others are faults, whose rows are left out
+                number = Decimal(text) + size if size == ZERO else Decimal(text) * size
+                cells[place] = f"{number:f}".replace(".", "." if mark == "," else ",")
+        lines[row] = mark.join(cells)
     return "\n".join(lines) + "\n"
 
 
@@ -167,18 +123,14 @@ def reduced(prints, examples, monkeypatch):
     monkeypatch.setenv("COLUMNS", "200")
 
     def numbers(command, *, changed):
-        words = command.split()
-        folder = examples(words[-1] if words[0] == "lab" else "tac")
+        words = shlex.split(command)
+        folder = examples(words[1] if words[0] == "lab" else "tac")
         for name, text in OTHER_FILES.items():
             (folder / name).write_text(text, encoding="utf-8")
-        arguments, files = COMMANDS[command]
-        for file, columns in files.items() if changed else ():
-            text = (folder / file).read_text(encoding="utf-8")
-            for column, (unit, size) in columns.items():
-                text = in_other_unit(text, column, unit, size)
-            (folder / file).write_text(text, encoding="utf-8")
-        out = prints(*words, *shlex.split(arguments), "--json")
-        return dict(numbers_in(json.loads(out)))
+        for path in [*folder.glob("*.csv"), *folder.glob("*.txt")] if changed else ():
+            text = in_other_units(path.read_text(encoding="utf-8"))
+            path.write_text(text, encoding="utf-8")
+        return dict(numbers_in(json.loads(prints(*words, "--json"))))
 
     return numbers
 

@@ -72,23 +72,21 @@ _FIRST_TAG = 29839  # of the history, less than zero in the file
 _METADATA = {5: "sample", 140: "instrument", 218: "accessory", 210: "resolution"}
 
 _ASC_LINES = {"sample": 8, "instrument": 11, "measured": 3}
-_ASC_FIRST, _ASC_COUNT = 5, 7  # lines behind #GR
+_ASC_COUNT = 7  # lines behind #GR
 
 
 SPC = "Galactic .spc"
 
 _LITTLE, _BIG, _OLD = 0x4B, 0x4C, 0x4D
 _SHORT, _SEVERAL, _LABELS, _OWN_X, _X = 0x01, 0x04, 0x20, 0x40, 0x80  # flags
-# flags, version, technique, exponent, points, first and last x, spectra, types of x, y and z
-_NEW_HEADER = "BBBbIddIBBB"
-_NEW_SIZE, _NEW_RESOLUTION, _NEW_SOURCE, _NEW_COMMENT, _NEW_LABELS = 512, 36, 45, 88, 218
-_NEW_LOG = 248
-_OLD_HEADER = "<BBhfffBB"  # flags, version, exponent, points, first and last x, types of x and y
-_OLD_SIZE, _OLD_RESOLUTION, _OLD_COMMENT, _OLD_LABELS = 224, 24, 64, 194
+# flags, exponent, points, first and last x, spectra, types of x and y, resolution, instrument,
+# comment, names of the axes, place of the log
+_NEW_HEADER, _NEW_SIZE = "BxxbIddIBB6x9s9s34x130s30sI", 512
+# the same of the old version, without number of spectra, instrument and log
+_OLD_HEADER, _OLD_SIZE = "<BxhfffBB6x8s32x130s30s", 224
 _SUB_SIZE = 32
 _SUB_COUNT = 16  # place of the number of points in the header of one of several spectra
 _FLOATS = -128  # exponent of values that are floats
-_COMMENT, _LABEL_TEXT = 130, 30
 
 
 def _names(maker: str, abscissa: int, ordinate: int) -> tuple[str, str]:
@@ -344,9 +342,9 @@ def read_spc(source: Source) -> list[RawSpectrum]:
     data = source.content
     old = data[1] == _OLD
     if old:
-        order, log, at, labels = "<", 0, _OLD_SIZE, _OLD_LABELS
-        flags, _, exponent, points, first, last, abscissa, ordinate = struct.unpack_from(
-            _OLD_HEADER, data
+        order, at, spectra, instrument, log = "<", _OLD_SIZE, 1, b"", 0
+        (flags, exponent, points, first, last, abscissa, ordinate, resolution, comment, labels) = (
+            struct.unpack_from(_OLD_HEADER, data)
         )
         if flags & _SEVERAL:
             source.refuse(
@@ -354,26 +352,18 @@ def read_spc(source: Source) -> list[RawSpectrum]:
             )
         if not 2 <= points <= MOST_POINTS:
             source.refuse(f"is damaged: it names {points:g} points")
-        flags, points, spectra, abscissa = flags & ~(_X | _OWN_X), int(points), 1, abscissa & 0x7F
-        metadata = SpectrumMetadata(
-            SPC,
-            resolution=plain(data[_OLD_RESOLUTION : _OLD_RESOLUTION + 8]),
-            sample=plain(data[_OLD_COMMENT : _OLD_COMMENT + _COMMENT]),
-        )
+        flags, points, abscissa = flags & ~(_X | _OWN_X), int(points), abscissa & 0x7F
     else:
-        order, at, labels = "<" if data[1] == _LITTLE else ">", _NEW_SIZE, _NEW_LABELS
-        (flags, _, _, exponent, points, first, last, spectra, abscissa, ordinate, _) = (
-            struct.unpack_from(order + _NEW_HEADER, data)
-        )
+        order, at = "<" if data[1] == _LITTLE else ">", _NEW_SIZE
+        (
+            flags, exponent, points, first, last, spectra, abscissa, ordinate, resolution,
+            instrument, comment, labels, log,
+        ) = struct.unpack_from(order + _NEW_HEADER, data)  # fmt: skip
         spectra = spectra if flags & _SEVERAL else 1
-        (log,) = struct.unpack_from(order + "I", data, _NEW_LOG)
-        metadata = SpectrumMetadata(
-            SPC,
-            instrument=plain(data[_NEW_SOURCE : _NEW_SOURCE + 9]),
-            resolution=plain(data[_NEW_RESOLUTION : _NEW_RESOLUTION + 9]),
-            sample=plain(data[_NEW_COMMENT : _NEW_COMMENT + _COMMENT]),
-        )
-    names = [plain(word) for word in data[labels : labels + _LABEL_TEXT].split(b"\x00")[:2]]
+    metadata = SpectrumMetadata(
+        SPC, instrument=plain(instrument), resolution=plain(resolution), sample=plain(comment)
+    )
+    names = [plain(word) for word in labels.split(b"\x00")[:2]]
     if not flags & _LABELS or len(names) < 2 or not all(names):
         names = [*_names("spc", abscissa, ordinate)]
     if not 1 <= spectra <= len(data) // _SUB_SIZE:

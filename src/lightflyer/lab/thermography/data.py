@@ -303,35 +303,28 @@ def read_readings(
         One line that names file and line or column.
     """
     # a light meter's readings may have any unit, but one of the same kind
-    units: tuple[str | None, ...] = _OF_LIGHT if method == LIGHT else (None,)
-    table = None
-    for unit in units:
+    for unit in _OF_LIGHT if method == LIGHT else (None,):
         try:
             table = read_table(path, columns_of(method, unit), layout=columns)
             break
         except ConfigurationError as error:
             if method != LIGHT or "of the wrong kind" not in str(error):
                 raise
-    if table is None:
+    else:
         kinds = ", ".join(unit for unit in _OF_LIGHT if unit)
         raise ConfigurationError(
             f"{path}: a light meter's columns need units of one kind, {kinds}, or none"
         )
-    given = _check(given or {}, method)
+    known = dict(given or {})
     if method == LIGHT and "dark" not in table.numbers:
-        given.setdefault("dark", Measured(0.0, 0.0))
-    values, stated = [], []
+        known.setdefault("dark", Measured(0.0, 0.0))
     for name in method.readings:
-        if name not in table.numbers and name not in given:
+        if name not in table.numbers and name not in known:
             raise ConfigurationError(f"{path}: the column {name} is missing")
-        if name in table.numbers and name in given:
+        if name in table.numbers and name in known:
             table.not_used(f"--{name.removesuffix('_temperature')}", name)
-        one = given.get(name, Measured(0.0))
-        values.append(table.numbers.get(name, np.full(len(table), one.value)))
-        stated_column = table.numbers.get(f"{name}_uncertainty")
-        stated.append(one.uncertainty if stated_column is None else float(stated_column.max()))
     places = tuple(f"{path}:{line}" for line in table.lines)
-    return _complete(method, np.stack(values), stated, accuracy, scene, places), table
+    return _complete(method, table.numbers, known, places, accuracy, scene), table
 
 
 def given_readings(
@@ -364,11 +357,7 @@ def given_readings(
     if missing:
         options = ", ".join(f"--{name.removesuffix('_temperature')}" for name in missing)
         raise ConfigurationError(f"give a file, or also {options}")
-    checked = _check(given, method)
-    picked = [checked[name] for name in method.readings]
-    values = np.array([[one.value] for one in picked])
-    stated = [one.uncertainty for one in picked]
-    return _complete(method, values, stated, accuracy, scene, ("",))
+    return _complete(method, {}, given, ("",), accuracy, scene)
 
 
 def standard_uncertainties(
@@ -413,21 +402,26 @@ def with_accuracy(
     }  # fmt: skip
 
 
-def _check(given: Mapping[str, Measured], method: Method) -> dict[str, Measured]:
+def _complete(
+    method: Method, columns: Mapping[str, np.ndarray], given: Mapping[str, Measured],
+    places: tuple[str, ...], accuracy: float | None, scene: Scene | None,
+) -> Readings:  # fmt: skip
+    """Readings of columns, or else as given, with the uncertainties that are not stated.
+
+    Refuses those that are impossible.
+    """
+    rows, stated = [], []
     for name, quantity in zip(method.readings, method.quantities, strict=True):
+        one = given.get(name, Measured(0.0))
         if name in given:
             try:
-                quantity.read(given[name])
+                quantity.read(one)
             except ConfigurationError as error:
-                raise ConfigurationError(f"{name} = {given[name].value:g} {error}") from None
-    return dict(given)
-
-
-def _complete(
-    method: Method, values: np.ndarray, stated: list[float | None], accuracy: float | None,
-    scene: Scene | None, places: tuple[str, ...],
-) -> Readings:  # fmt: skip
-    """Readings with the uncertainties that are not stated; refuses those that are impossible."""
+                raise ConfigurationError(f"{name} = {one.value:g} {error}") from None
+        rows.append(columns.get(name, np.full(len(places), one.value)))
+        column = columns.get(f"{name}_uncertainty")
+        stated.append(one.uncertainty if column is None else float(column.max()))
+    values = np.stack(rows)
     assumed = standard_uncertainties(method, values.mean(axis=1), accuracy)
     known = [one if one is not None else other for one, other in zip(stated, assumed, strict=True)]
     said = accuracy_warnings(method, accuracy) if None in stated else ()

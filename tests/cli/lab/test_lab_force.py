@@ -1,11 +1,9 @@
 import json
 
 import numpy as np
-import pytest
 import xarray as xr
 
 VANE = ("--diameter", "12 cm", "--hot", "419 ± 2 K", "--cold", "394 ± 2 K")
-CURVE = ("--pressures", "0.01 Pa, 10 Pa")
 
 
 def test_points_beside_the_curve(folder, lab_prints):
@@ -25,20 +23,3 @@ def test_points_beside_the_curve(folder, lab_prints):
     with xr.open_dataset(folder / "o" / "force.nc") as record:
         np.testing.assert_allclose(record.predicted_force, points["predicted_n"])
         assert record.force.attrs["units"] == "N"
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ((*VANE, "--pressures", "2 Pa, 1 Pa"), "write two that increase"),
-        ((*VANE, *CURVE, "--tac-hot", "0.9"), "either --tac, or both --tac-hot and --tac-cold"),
-        ((*VANE, *CURVE, "--force-accuracy", "5"), 'per cent are written "5 %"'),
-        (("--diameter", "12", *VANE[2:], *CURVE), '"12" has no unit'),
-    ],
-)
-def test_mistakes_are_one_line(folder, lab, options, said):
-    code, out, err = lab("force", *options)
-    assert code != 0
-    assert out == ""
-    assert said in err
-    assert len(err.splitlines()) == 1

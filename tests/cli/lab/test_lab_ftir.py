@@ -97,27 +97,6 @@ def test_no_impossible_emissivity_leaves(folder, lab_refuses, flyer_file):
     assert path.read_text(encoding="utf-8") == before
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (["missing.jdx"], "missing.jdx: cannot be read"),
-        (["film.jdx", "--update", "a.toml"], "upper bound"),
-        (["film.jdx", "--band", "900 cm^-1"], "has no width"),
-        (["film.jdx", "--band", "9000 ± 400 cm^-1"], "no data in the band"),
-        (["film.jdx", "--accuracy", "1.2"], 'per cent are written "1.2 %"'),
-        (["film.jdx", "--accuracy", "1 K"], "--accuracy"),
-        (["film.jdx", "--band", "900 ± 1400 cm^-1"], "reaches below zero"),
-        (["film.jdx", "--temperatures", "0 K"], "--temperatures = 0 is not positive"),
-        (["film.jdx", "--temperatures", ""], '--temperatures "" has no quantity in it'),
-        (["film-reflectance.csv"], "shows reflectance, not transmittance"),
-    ],
-)
-def test_bad_input(examples, lab_refuses, arguments, says):
-    folder = examples("ftir")
-    assert says in lab_refuses("ftir", *arguments, "--out", "o")
-    assert not (folder / "o").exists()
-
-
 def test_what_an_instrument_says_is_shown_and_recorded(lab, lab_prints, lab_refuses):
     samples = Path(__file__).parents[2] / "lab" / "spectra"
     file = str(samples / "opus.0")

@@ -45,29 +45,6 @@ def test_launchpads_are_compared_and_the_near_floor_named(examples, lab):
     assert low < 0.1 < high
 
 
-@pytest.mark.parametrize(
-    ("text", "arguments", "says"),
-    [
-        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", [], "raw.csv:2: raw has 1 point"),
-        ("pressure [Pa],irradiance [W/m^2]\n1,-2\n", [], "raw.csv:2: irradiance = -2"),
-        ("pressure [Pa]\n1\n", [], "raw.csv:1: the column irradiance is missing"),
-        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--span", "3"], "span = 3 is not between"),
-        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--calibrate"], "--flyer"),
-        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--step", "2 Pa"], "--step: "),
-        (
-            "pressure [Pa],irradiance [W/m^2]\n" + "".join(f"{p},900\n" for p in range(1, 10)),
-            ["--step", "1 kW/m^2"],
-            "step = 1000 W/m^2 is not smaller than the least irradiance, 900 W/m^2",
-        ),
-        ("pressure [Pa],irradiance [W/m^2]\n1,2\n", ["--update", "a.toml"], "--calibrate"),
-    ],
-)
-def test_bad_input(folder, lab_refuses, text, arguments, says):
-    (folder / "raw.csv").write_text(text, encoding="utf-8")
-    assert says in lab_refuses("levitation", "raw.csv", "--out", "o", *arguments)
-    assert not (folder / "o").exists()
-
-
 def test_steps_in_the_record(folder, lab_prints):
     rows = [f"{2 + i},{200 * (6 + (i - 4) ** 2)}" for i in range(10)]
     text = "\n".join(["pressure [Pa],irradiance [W/m^2]", *rows]) + "\n"

@@ -44,26 +44,6 @@ def test_mask_rows_and_accuracy_are_options(examples, lab):
     assert width[1][1] - width[1][0] > 2.0 * (width[0][1] - width[0][0])
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ("missing.ibw", "missing.ibw: cannot be read"),
-        ("map.txt", 'map.txt: its heights have no unit; state it by --unit "nm"'),
-        ("map.txt --unit nm", 'map.txt: has no width; state it by --size "10 um"'),
-        ("map.txt --unit nm --size 10", '--size: "10" has no unit; write "10 um"'),
-        ("map.txt --unit nm --size -1um", '--size: "-1um" is not positive'),
-        ("map.txt --height-accuracy 2nm", "--height-accuracy: "),
-        ("map.txt --unit nm --size 1um --flatten rows --flatten-order 2", "flatten_order = 2"),
-        ("map.txt --unit nm --size 1um --threshold 0", "threshold = 0"),
-    ],
-)
-def test_bad_input(folder, lab_refuses, arguments, says):
-    rows = "\n".join(" ".join(str((i * j) % 7) for i in range(20)) for j in range(20))
-    (folder / "map.txt").write_text(rows, encoding="utf-8")
-    assert says in lab_refuses("roughness", *arguments.split(), "--out", "o")
-    assert not (folder / "o").exists()
-
-
 FILES = Path(__file__).parents[2] / "lab" / "height_maps"
 
 

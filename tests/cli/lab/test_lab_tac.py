@@ -104,31 +104,6 @@ def test_both_faces_are_written_with_their_correlation(examples, lab_prints, fly
     assert known.first_order[name] < 0.7 * unknown.first_order[name]
 
 
-BOTH = "--top tac-top.txt --bottom tac-bottom.txt"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ("--top tac-top.txt", "give either the files of one surface, or those of both"),
-        ("tac-top.txt --bottom tac-bottom.txt", "give either the files of one surface"),
-        ("", "give either the files of one surface"),
-        ("tac-top.txt --other-face 0.8", "--other-face"),
-        (f"{BOTH} --other-face 1.6", "--other-face = 1.6 is not between 0 and 1"),
-        (f"{BOTH} --other-face 0.8±0.9", '--other-face "0.8±0.9" is not known by its ±'),
-        ("--top tac-top.txt --bottom tac-top.txt", "tac-top.txt: has the same data as tac-top.txt"),
-        (
-            f"{BOTH} --update flyer.toml --face top",
-            "--face is for runs of one surface; with --top and --bottom both are written",
-        ),
-    ],
-)
-def test_faces_that_are_not_two(examples, lab_refuses, flyer_file, arguments, says):
-    examples("tac")
-    flyer_file(*KINETIC_FORCE)
-    assert says in lab_refuses("tac", *arguments.split())
-
-
 def test_accuracy_widens_what_is_written(examples, lab_prints, flyer_file):
     examples("tac")
     written = {}
@@ -197,40 +172,6 @@ def test_undetermined_coefficient_is_not_written(folder, lab_refuses, flyer_file
     assert "raw.csv: these rows do not determine the accommodation coefficient; they have" in err
     assert "Pa or beyond would determine it; " in err
     assert path.read_text(encoding="utf-8") == before
-    assert not (folder / "o").exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "arguments", "says"),
-    [
-        ("", [], "raw.csv: is empty"),
-        (HEADER + "1,1,320,295\n", [], "raw.csv:2: has 1 usable row;"),
-        (HEADER + "1,0.05,320,295\n" * 9, [], "raw.csv: its pressures do not determine"),
-        (HEADER + "1,-0.05,320,295\n", [], "raw.csv:2: heater_power = -0.05 W is not positive"),
-        (HEADER + "1,0.05,290,295\n", [], "raw.csv:2: the heater at 290.00 K is not warmer"),
-        (HEADER.replace("pressure", "Größe"), [], "raw.csv: has a header but no rows"),
-        ("pressure [Pa],heater_power [W]\n1,2\n", [], "raw.csv: needs the column heater_temp"),
-        (HEADER + "1,1,320,295\n", ["--emissivity", "2"], "emissivity = 2 is not between"),
-        (HEADER + "1,1,320,295\n", ["--update", "none.toml", "--face", "top"], ""),
-        (
-            HEADER + "1,1,320,295\n",
-            ["--gauge-accuracy", "5"],
-            'per cent are written "5 %"',
-        ),
-        (HEADER + "1,1,320,295\n", ["--gauge-zero", "1 %"], "--gauge-zero: "),
-        (HEADER + "1,1,320,295\n", ["--power-accuracy=-1 %"], "--power-accuracy = -0.01 is not"),
-        (HEADER + "1,1,320,295\n", ["--wall", "0 cm"], "--wall"),
-        (HEADER + "1,1,320,295\n", ["--wall", "9 cm", "--reading", "printed"], "--wall is for"),
-    ],
-)
-def test_bad_input(folder, lab, text, arguments, says):
-    (folder / "raw.csv").write_text(text, encoding="utf-8")
-    code, out, err = lab("tac", "raw.csv", "--out", "o", *arguments)
-    assert code == 2
-    assert says in err
-    assert err.count("\n") == 1
-    assert err.startswith("lightflyer: error: ")
-    assert out == ""
     assert not (folder / "o").exists()
 
 

@@ -80,37 +80,6 @@ def test_the_band_is_stated_assumed_or_none(folder, lab, lab_prints):
     assert "film is taken" not in out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ([], "give a file, or also --hotplate, --lower"),
-        ([*GIVEN, "--hotplate-emissivity", "0.2 ± 0.3"], "is not known"),
-        (["missing.csv"], "missing.csv: cannot be read"),
-        (["missing.jpg", "--regions", "upper=1:2,3:4"], "missing.jpg: cannot be read"),
-        (["image.jpg"], "an image needs --regions"),
-        ([*GIVEN[:-1], "160 °C"], "ambient_temperature = 433.15 must be between 200 and 400 K"),
-        (["--hotplate", "20 °C", *GIVEN[2:]], "hotplate_temperature is not above ambient_temp"),
-        ([*GIVEN[:-1], "22"], "--ambient: "),
-        (["--light-meter", *GIVEN], "--light-meter needs a file"),
-        ([*GIVEN[:2], "--lower", "60 °C", "--upper", "146 °C", *GIVEN[6:]], "is impossible"),
-        ([*GIVEN[:2], "--lower", "170 °C", *GIVEN[4:]], "is not above lower_temperature"),
-        ([*GIVEN, "--band", "5 um"], "is not a band"),
-        ([*GIVEN, "--accuracy=-1 K"], "--accuracy: "),
-        ([*GIVEN, "--accuracy", "200 K"], "without meaning"),
-        ([*GIVEN, "--hotplate-emissivity", "1.2"], "--hotplate-emissivity = 1.2"),
-        ([*GIVEN, "--film-temperature", "30"], "--film-temperature: "),
-        ([*GIVEN, "--film-temperature", "145 °C"], "too close to the hotplate's"),
-        (["meter.csv", "--light-meter", "--band", "8-14 um"], "takes no temperatures"),
-        (["meter.csv", "--light-meter", "--accuracy", "1 K"], "--accuracy: "),
-    ],
-)
-def test_bad_input(folder, lab_refuses, arguments, says):
-    for name in ("image.jpg", "meter.csv"):
-        (folder / name).touch()
-    assert says in lab_refuses("thermography", *arguments, "--out", "o")
-    assert not (folder / "o").exists()
-
-
 FLIR = Path(__file__).parents[2] / "lab" / "thermal_images" / "tau-2.fff"
 
 

@@ -1,4 +1,6 @@
-"""Damage to binary files of instruments."""
+"""Damage to files of instruments."""
+
+import lightflyer as lf
 
 
 def damaged(content, rng, near):
@@ -14,3 +16,18 @@ def damaged(content, rng, near):
     }
     how = list(kinds)[int(rng.integers(len(kinds)))]
     return kinds[how], how
+
+
+def read_damaged(read, path, content, rng, near, times=200):
+    """What is read of damaged files, and their damages; others are refused in one line."""
+    found = []
+    for _ in range(times):
+        bad, how = damaged(content, rng, near)
+        path.write_bytes(bad)
+        try:
+            found.append((read(path), how))
+        except lf.ConfigurationError as error:
+            said = str(error)
+            assert said.startswith(str(path)), said
+            assert "\n" not in said
+    return found

@@ -201,52 +201,38 @@ def shortened(text, rng):
     return "".join(lines)
 
 
-@pytest.mark.slow
+def remarked(text, rng):
+    """A comma, point, semicolon, tab or space in the place of another behind the header."""
+    header = next(line for line in text.splitlines() if not line.startswith("#"))
+    body = text.index(header) + len(header)
+    places = [place for place in range(body, len(text)) if text[place] in ",.;\t "]
+    place, mark = places[int(rng.integers(len(places)))], ",.;\t "[int(rng.integers(5))]
+    if text[place] == " " and mark in ",.":  # ".3" is a number
+        return text
+    return text[:place] + mark + text[place + 1 :]
+
+
+@pytest.mark.parametrize("change", [shortened, remarked])
 @pytest.mark.parametrize(
     "name", ["points.csv", "launchpads.csv", "tac-reduced.txt", "thermal.csv", "film.csv"]
 )
-def test_rows_that_are_read_are_rows_of_the_file(tmp_path, name):
+def test_numbers_that_are_read_are_numbers_of_the_file(tmp_path, name, change):
     """But for the last number of a file that is cut, which a note names."""
     read, text = CASES[name]
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
     truth, _ = answer(read, path)
+    read_at_all = 0
     for seed in range(EACH):
-        content = shortened(text, np.random.default_rng([seed, 7]))
+        content = change(text, np.random.default_rng([seed, 7]))
         path.write_text(content, encoding="utf-8")
         found, _ = answer(read, path)
         if found is None:
             continue
+        read_at_all += 1
         last = len(next(iter(found.values()))) - (not content.endswith("\n"))
         for column in found:
             for value in found[column][:last]:
                 near = np.isclose(value, truth.get(column, ()), rtol=1e-12, atol=0.0)
                 assert near.any(), (seed, column, value)
-
-
-@pytest.mark.parametrize("name", ["points.csv", "launchpads.csv", "tac-reduced.txt", "film.csv"])
-def test_no_mark_that_is_changed_makes_another_number(tmp_path, name):
-    """Commas, points, semicolons, tabs and spaces in each other's place, one or all of a column."""
-    read, text = CASES[name]
-    path = tmp_path / name
-    path.write_text(text, encoding="utf-8")
-    truth, _ = answer(read, path)
-    header = next(line for line in text.splitlines() if not line.startswith("#"))
-    body = text.index(header) + len(header)
-    places = [place for place in range(body, len(text)) if text[place] in ",.;\t "]
-    rng = np.random.default_rng(11)
-    read_at_all = 0
-    for _ in range(EACH):
-        place, mark = places[int(rng.integers(len(places)))], ",.;\t "[int(rng.integers(5))]
-        if text[place] == " " and mark in ",.":  # ".3" is a number
-            continue
-        path.write_text(text[:place] + mark + text[place + 1 :], encoding="utf-8")
-        found, _ = answer(read, path)
-        if found is None:
-            continue
-        read_at_all += 1
-        for column in truth:
-            for value in found[column]:
-                near = np.isclose(value, truth[column], rtol=1e-12, atol=0.0)
-                assert near.any(), (text[place - 20 : place + 5], mark, column, value)
-    assert read_at_all > 0 or name == "film.csv"
+    assert read_at_all > 0

@@ -53,21 +53,6 @@ def test_a_straight_line_replaces_what_is_between():
     assert found.value == pytest.approx(0.5 + 1e-5 * AT, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("2400-2280 cm^-1", "must be below"),
-        ("2280 cm^-1", "is not a range"),
-        ("2280-2400", "is not a range"),
-        ("2280-2400 kg", "wrong kind"),
-        (" , ", "has no range"),
-    ],
-)
-def test_what_is_no_range_is_refused(text, says):
-    with pytest.raises(lf.ConfigurationError, match=says):
-        parse_ranges(text)
-
-
 def test_a_line_beyond_the_data_is_refused():
     with pytest.raises(lf.ParameterError, match=r"3900 to 5000 cm\^-1 is not within its data"):
         with_straight_lines(spectrum("film", FILM), parse_ranges("3900-5000 cm^-1"))

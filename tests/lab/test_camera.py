@@ -60,37 +60,6 @@ def test_bands_in_words(text):
     assert parse_band(" total ") is None
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("14-7.5 um", "must be below"),
-        ("7.5-14", "is not a band"),
-        ("7.5-14 kg", "wrong kind"),
-        ("0-14 um", "is not between"),
-        ("7.5-7.5 um", "must be below"),
-        ("none.csv", "none.csv: cannot be read"),
-        ("", "is not a band"),
-    ],
-)
-def test_bands_that_are_none(text, says):
-    with pytest.raises(lf.ConfigurationError, match=says):
-        parse_band(text)
-
-
-@pytest.mark.parametrize(
-    ("rows", "says"),
-    [("8,1\n8,1\n", "must increase"), ("8,0\n9,0\n", "zero everywhere"), ("8,1\n", "two or more"),
-     ("8,-1\n9,1\n", "a.csv:2: response = -1"), ("8,x\n9,1\n", "a.csv:2: response"),
-     ("0.1,1\n9,1\n", "is not between")],
-)  # fmt: skip
-def test_one_line_for_each_mistake_in_a_response(tmp_path, rows, says):
-    path = tmp_path / "a.csv"
-    path.write_text(f"wavelength [um],response\n{rows}", encoding="utf-8")
-    with pytest.raises(lf.ConfigurationError, match=says) as error:
-        parse_band(str(path))
-    assert str(error.value).startswith(str(path))
-
-
 def test_impossible_temperatures_and_bands():
     for temperature in (0.0, -1.0, np.nan):
         with pytest.raises(lf.ParameterError, match="temperature"):

@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-import re
 import struct
 import sys
 from functools import partial
@@ -474,22 +473,6 @@ def test_tables(text, columns, write):
     found = read_spectrum(write(text, "s.csv"), columns=columns)
     np.testing.assert_allclose(found.wavenumber, [1e5, 2e5])
     np.testing.assert_allclose(found.value, [0.8, 0.9])
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("wavenumber [cm^-1],transmittance\n1000,800\n2000,9\n", ":2: transmittance = 800"),
-        ("wavenumber [cm^-1],transmittance\n1000,0.8\n", "has 1 wavenumber"),
-        ("wavenumber [cm^-1]\n1000\n", "needs one of the columns transmittance"),
-        ("transmittance\n0.8\n", "needs one column wavenumber, wavelength or photon_energy"),
-        ("wavenumber,transmittance\n1000,0.8\n", "wavenumber has no unit"),
-    ],
-)
-def test_tables_that_are_no_spectrum(text, says, write):
-    path = write(text, "s.csv")
-    with pytest.raises(lf.ConfigurationError, match=rf"^{re.escape(str(path))}.*{says}"):
-        read_spectrum(path)
 
 
 def test_table_in_per_cent_without_the_mark(tmp_path):

@@ -70,10 +70,3 @@ def test_masks_come_in_as_they_went_out(tmp_path):
     assert found.parameters["rms_height"].value == pytest.approx(1e9 * height[~mask].std())
     with pytest.raises(lf.ConfigurationError, match="the mask has 40 x 20 and the map 40 x 30 pix"):
         roughness(source, mask=mask[:20])
-
-
-@pytest.mark.parametrize(("text", "says"), [("0 2\n1 1\n", "0 and 1"), ("", "empty")])
-def test_what_is_no_mask_is_refused(tmp_path, text, says):
-    (tmp_path / "mask.txt").write_text(text, encoding="utf-8")
-    with pytest.raises(lf.ConfigurationError, match=says):
-        read_mask(tmp_path / "mask.txt")

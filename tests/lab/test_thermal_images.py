@@ -1,7 +1,5 @@
 """Thermal images of cameras: flyr reads some of them too, formulas are inverted by hand."""
 
-import io
-import re
 import struct
 from dataclasses import replace
 from functools import partial
@@ -202,46 +200,6 @@ def test_a_tiff_of_flir_needs_its_step():
     assert 265.0 < found.temperature.min() < found.temperature.max() < 285.0
     with pytest.raises(lf.ConfigurationError, match="the unit or the scale is wrong"):
         read_thermal_image(FILES / "flir-vue.tiff", scale=parse_scale("0.01 K"))
-
-
-def picture():
-    stream = io.BytesIO()
-    Image.new("RGB", (20, 20)).save(stream, "TIFF")
-    return stream.getvalue()
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "says"),
-    [
-        ("a.csv", lines(";", True).encode(), 'has no unit; state the unit by --image-unit "°C"'),
-        ("a.csv", lines(";", True, "[C] [F]").encode(), "names °C and °F"),
-        ("a.csv", b"[C]\n20 21\n22 x\n", ':3: "x" is not a number'),
-        ("a.csv", b"[K]\n20 21\n22 23\n", "the unit or the scale is wrong"),
-        ("a.csv", b"[C]\nnan nan\nnan nan\n", "no pixel has a temperature"),
-        ("a.tif", picture(), "is a picture (RGB)"),
-        ("a.tif", b"II*\0", "cannot be read as TIFF"),
-        ("a.seq", b"FFF\0", "a sequence of FLIR; export one image"),
-        ("a.is2", b"", "Fluke's own format; export CSV"),
-        ("a.jpg", b"\xff\xd8\xff\xe1\0\x08DJIxxx", "it has no FLIR data; DJI's own format needs"),
-        ("a.fff", b"FFF\0" + bytes(60), "unknown version"),
-        ("a.jpg", b"", "is not a radiometric FLIR image"),
-        ("a.jpg", b"\xff\xd8\xff\xe0" + bytes(40), "is not a radiometric FLIR image"),
-        ("a.jpg", b"text", "is not a radiometric FLIR image"),
-    ],
-)
-def test_one_clear_line_for_each_mistake(tmp_path, name, content, says):
-    path = tmp_path / name
-    path.write_bytes(content)
-    with pytest.raises(lf.ConfigurationError, match=re.escape(says)) as error:
-        read_thermal_image(path)
-    assert str(error.value).startswith(str(path))
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize("text", ["m", "-1 K", "0 K", "1e K", "", "0.1"])
-def test_a_scale_is_a_temperature(text):
-    with pytest.raises(lf.ConfigurationError, match="--image-unit: "):
-        parse_scale(text)
 
 
 @pytest.mark.parametrize(

@@ -233,31 +233,6 @@ def test_light_meter_by_the_same_code(tmp_path):
     assert found["absorptivity"]["value"] == pytest.approx(0.75)
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("hotplate [K],lower [K],upper [K]\n400,300,350\n", "ambient_temperature is missing"),
-        ("hotplate [K],lower [K],upper [K],ambient [K]\n290,300,350,295\n", ":2: hotplate_temp"),
-        ("hotplate [K],lower [K],upper [K],ambient [K]\n-4,300,350,295\n", ":2: hotplate_temp"),
-        ("hotplate,lower [K],upper [K],ambient [K]\n400,300,350,295\n", ":1: column hotplate"),
-        ("hotplate [K],lower [°C],upper [K],ambient [K]\n400,-300,350,295\n", "is not between 200"),
-        ("hotplate [K],lower [K],upper [K],ambient [K]\n150,50,130,22\n", ":2: hotplate_temp"),
-        ("hotplate [°C],lower [°C],upper [°C],ambient [°C]\n423,323,403,295\n", "ambient_temp"),
-        ("hotplate [K],lower [K],upper [K],ambient [K]\n323,400,390,295\n", "exchanged?"),
-        ("hotplate [K],lower [K],upper [K],ambient [K]\n400,330,280,295\n", "upper_temp"),
-        ("hotplate [K],lower [K],upper [K],ambient [K]\n400,330,nan,295\n", "is nan"),
-        ("hotplate [K],lower [K],upper [K],ambient [K]\n299,297,297,295\n", "by less than 5"),
-    ],
-)
-def test_one_clear_line_for_each_mistake(tmp_path, text, says):
-    path = tmp_path / "raw.csv"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(lf.ConfigurationError) as error:
-        read_readings(path, THERMAL)
-    assert says in str(error.value)
-    assert str(error.value).startswith(str(path))
-
-
 def given(lower, upper, **options):
     """Readings before a hotplate of 150 °C, ambient 22 °C."""
     names = dict(zip(THERMAL.readings, (HOT, lower, upper, COLD), strict=True))
@@ -320,10 +295,6 @@ def test_regions_of_an_image():
     assert any(
         "100% of its pixels are at 400 K" in said for said in region_warnings(image, regions)
     )
-    for text in ("hotplate", "hotplate=1:1,2:3", "hotplate=1:2", "plate=1:2,3:4",
-                 "upper=1:2,3:4;upper=1:2,3:4"):  # fmt: skip
-        with pytest.raises(lf.ConfigurationError, match="--regions"):
-            parse_regions(text)
 
 
 def test_a_region_that_is_not_uniform(rng):

@@ -147,6 +147,9 @@ def save(figure: Figure, paths: list[Path], dpi: int = DOTS_PER_INCH) -> None:
                 )
 
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 class _PlainNumbers(Formatter):
     """Numbers of a logarithmic axis: decades, and some between where few decades are shown."""
 
@@ -161,14 +164,14 @@ class _PlainNumbers(Formatter):
                 return ""
         if _PLAIN[0] <= x < _PLAIN[1]:
             return f"{x:.6g}"
-        factor = "" if abs(mantissa - 1.0) < _SAME else f"{mantissa:.3g}\\cdot"
-        return f"${factor}10^{{{exponent}}}$"
+        factor = "" if abs(mantissa - 1.0) < _SAME else f"{mantissa:.3g}·"
+        return f"{factor}10{str(exponent).translate(_RAISED)}"  # ten times quicker than mathtext
 
 
-def plain_decades(axis: Axis) -> None:
+def plain_decades(axis: Axis, between: Sequence[int] = range(2, 10)) -> None:
     """Label a logarithmic axis in plain numbers, between decades too where it shows few of them."""
     axis.set_major_formatter(_PlainNumbers())
-    axis.set_minor_locator(LogLocator(subs=range(2, 10)))
+    axis.set_minor_locator(LogLocator(subs=between))
     axis.set_minor_formatter(_PlainNumbers())
 
 

@@ -115,6 +115,7 @@ def roughness_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
             left = labels + number % count * (side + labels)
             ax.set_position((left / width, bottom / height, side / width, up / height))
             image = draw_height_map(result, ax, masked=bool(masked), colours=colours)
+            ax.locator_params(nbins=4)
             ax.set_xlabel("x [µm]" if masked else "")
             ax.set_ylabel("y [µm]" if ax is row[0] else "")
             letter = ascii_lowercase[number % len(ascii_lowercase)]
@@ -152,6 +153,8 @@ def surface_figures(results: "Sequence[Roughness]") -> dict[str, Figure]:
         (right, "spatial frequency [1/µm]", "power spectral density [nm² µm²]"),
     ):
         drawing.label_axes(ax, x, y)
+    for axis in (right.xaxis, right.yaxis):
+        drawing.plain_decades(axis, ())
     drawing.shared_legend(figure, left.get_legend_handles_labels()[0])
     return roughness_figures(results) | {"roughness-texture": figure}
 

@@ -104,6 +104,7 @@ class LabResult(PrintedResult):
 
     _figures: ClassVar[str] = ""  # function that draws several, in place of one, "module:function"
     _drawing: ClassVar[str] = ""  # function that draws one into axes
+    _several: ClassVar[bool] = False  # whether that function draws a list of results
     _height: ClassVar[float] = 4.6  # of a figure with one axes [inch]
 
     def parts(self) -> Parts:
@@ -141,7 +142,7 @@ class LabResult(PrintedResult):
         if ax is None and self._figures:
             return next(iter(imported(self._figures)([self]).values()))
         figure, ax = figure_for(ax, height=self._height)
-        imported(self._drawing)(self, ax)
+        imported(self._drawing)([self] if self._several else self, ax)
         return figure
 
 

@@ -84,7 +84,8 @@ class LevitationCurve(LabResult):
     step: Reported[float] = 0.0  #: Step in which the light was raised [W/m²], 0 for none
     warnings: tuple[str, ...] = ()  #: What a reader of the result must know, one line each
 
-    _drawing = "levitation.figures:plot_curve"
+    _drawing = "levitation.figures:levitation_curves"
+    _several = True
     _height = 5.2
 
     def series(self) -> list[Series]:

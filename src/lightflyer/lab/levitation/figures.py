@@ -118,8 +118,3 @@ def levitation_figures(
     levitation_curves(curves, figure.axes[0], pressure_unit=pressure_unit, models=models)
     residuals(curves, figure.axes[1], pressure_unit)
     return {"levitation": figure}
-
-
-def plot_curve(curve: "LevitationCurve", ax: Axes) -> None:
-    """Draw one sample's points and curve."""
-    levitation_curves([curve], ax)

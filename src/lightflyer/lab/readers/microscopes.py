@@ -16,7 +16,7 @@ from lightflyer.array.records import ShortRepr
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import extra
 from lightflyer.core.units import scale_and_offset
-from lightflyer.lab.readers.formats import WORDS, Source, require_sound_tiff
+from lightflyer.lab.readers.formats import WORDS, Source, one_line, require_sound_tiff
 
 _PREFERRED = ("height", "zsensor", "z-axis", "topography")
 """Parts of the names of channels with heights; the first one found is read."""
@@ -248,8 +248,7 @@ def _quiet() -> Iterator[None]:
 
 
 def _refusal(path: Path, kind: Instrument, error: Exception) -> ConfigurationError:
-    text = "".join(one if one.isprintable() else " " for one in str(error))
-    said = " ".join(text.split())[:_SHOWN]
+    said = one_line(str(error))[:_SHOWN]
     if not type(error).__module__.startswith("SurfaceTopography"):
         said = f"it is damaged or of an unknown version ({type(error).__name__}: {said})"
     a = "an" if kind.name[0] in "AEIO" else "a"

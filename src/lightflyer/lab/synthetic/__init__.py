@@ -73,6 +73,15 @@ def label(name: str, truth: str) -> list[str]:
     return [f'# SYNTHETIC: made by "lightflyer lab example {name}", not measured', f"# {truth}"]
 
 
+def cells(formats: str, *columns: np.ndarray) -> list[list[str]]:
+    """Rows of a table, each column in its format, such as ``".4g .2f"``."""
+    every = formats.split()
+    return [
+        [format(one, form) for one, form in zip(row, every, strict=True)]
+        for row in zip(*columns, strict=True)
+    ]
+
+
 def faulty_table(
     lines: Sequence[str],
     header: Sequence[str],

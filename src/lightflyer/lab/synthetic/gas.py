@@ -15,7 +15,7 @@ from lightflyer.flyer.disk import Disk
 from lightflyer.force.kinetic.model import Kinetic
 from lightflyer.force.lu2023 import Lu2023
 from lightflyer.lab.force import Vane
-from lightflyer.lab.synthetic import TORR, faulty_table, label
+from lightflyer.lab.synthetic import TORR, cells, faulty_table, label
 from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER
 from lightflyer.statics.levitation import levitate
 
@@ -48,10 +48,7 @@ def force_files(seed: int = 0) -> dict[str, str]:
     rng = np.random.default_rng(seed)
     pressure = np.geomspace(*_VANE_PRESSURES, _VANE_POINTS)
     force = TRUE_VANE.force(pressure) * (1.0 + _VANE_NOISE * rng.normal(size=_VANE_POINTS))
-    rows = [
-        [f"{p:.4g}", f"{1e6 * one:.4g}", f"{1e6 * _VANE_NOISE * one:.2g}"]
-        for p, one in zip(pressure, force, strict=True)
-    ]
+    rows = cells(".4g .4g .2g", pressure, 1e6 * force, 1e6 * _VANE_NOISE * force)
     lines = label("force", "truth: vane of 12 cm at 419 K and 394 K in argon at 295 K, TAC 0.85")
     header = ["pressure [Pa]", "force [uN]", "force_uncertainty [uN]"]
     return {"vane.csv": faulty_table(lines, header, rows, rng)}
@@ -127,16 +124,15 @@ def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
     pressure, power, heater, ambient = _run(rng, truth, 80)
     resistance = _RESISTANCE * (1.0 + _PER_KELVIN * (heater - _AT))
     current = np.sqrt(power / resistance)
-    rows = [
-        [f"{10.0 * row:.1f}", f"{p / TORR * 1e3:.5g}", f"{i * r:.6f}", f"{i * 1e3:.5f}",
-         f"{t - _ZERO:.3f}"]
-        for row, (p, i, r, t) in enumerate(zip(pressure, current, resistance, ambient, strict=True))
-    ]  # fmt: skip
+    rows = cells(
+        ".1f .5g .6f .5f .3f", 10.0 * np.arange(80), pressure / TORR * 1e3, current * resistance,
+        current * 1e3, ambient - _ZERO,
+    )  # fmt: skip
     header = ["time [s]", "pressure [mTorr]", "heater_voltage [V]", "heater_current [mA]",
               "ambient_temperature [°C]"]  # fmt: skip
     celsius = np.array([20.0, 30.0, 40.0, 50.0, 60.0])
     ohms = _RESISTANCE * (1.0 + _PER_KELVIN * (celsius + _ZERO - _AT))
-    calibration = [f"{t:.1f},{r:.5f}" for t, r in zip(celsius, ohms, strict=True)]
+    calibration = [",".join(row) for row in cells(".1f .5f", celsius, ohms)]
     head = [*lines, "temperature [°C],resistance [ohm]"]
     return {
         "tac-raw.csv": faulty_table(lines, header, rows, rng),
@@ -177,10 +173,7 @@ def _power(
 
 def _reduce(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
     pressure, power, heater, ambient = _run(rng, truth, 60)
-    rows = [
-        [f"{p:.5g}", f"{w * 1e3:.5f}", f"{t - _ZERO:.3f}", f"{a - _ZERO:.3f}"]
-        for p, w, t, a in zip(pressure, power, heater, ambient, strict=True)
-    ]
+    rows = cells(".5g .5f .3f .3f", pressure, power * 1e3, heater - _ZERO, ambient - _ZERO)
     header = ["Pressure (Pa)", "Heater Power (mW)", "Heater Temperature (°C)",
               "Ambient Temperature (°C)"]  # fmt: skip
     return faulty_table(lines, header, rows, rng, delimiter=";", decimal_comma=True, shuffled=True)

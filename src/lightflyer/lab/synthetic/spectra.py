@@ -12,7 +12,7 @@ from importlib.util import find_spec
 import numpy as np
 
 from lightflyer.core.constants import BOLTZMANN, PLANCK, SPEED_OF_LIGHT
-from lightflyer.lab.synthetic import faulty_table, label
+from lightflyer.lab.synthetic import cells, faulty_table, label
 
 _NOISE = 0.002  # of shares
 _FIRST, _LAST, _STEP = 400.0, 4000.0, 2.0  # [1/cm]
@@ -75,11 +75,8 @@ def ftir_files(seed: int = 0) -> dict[str, str]:
                           f"reflectance {_REFLECTANCE}")  # fmt: skip
     first, second = (truth + _NOISE * rng.normal(size=len(truth)) for _ in range(2))
     reflected = _REFLECTANCE + _NOISE * rng.normal(size=len(truth))
-    rows = [
-        [f"{1e4 / nu:.6f}", f"{100.0 * value:.4f}"]
-        for nu, value in zip(wavenumber[::-1], second[::-1], strict=True)
-    ]
-    mirror = [f"{nu:.1f},{value:.6f}" for nu, value in zip(wavenumber, reflected, strict=True)]
+    rows = cells(".6f .4f", 1e4 / wavenumber[::-1], 100.0 * second[::-1])
+    mirror = [",".join(row) for row in cells(".1f .6f", wavenumber, reflected)]
     factor = 1e-6
     whole = np.round(first / factor).astype(int)
     table = [
@@ -131,7 +128,7 @@ def optics_files(seed: int = 0) -> dict[str, str]:
         raw = rng.normal(size=points.size + _SMOOTHED - 1)
         noise = _NOISE * np.convolve(raw, np.ones(_SMOOTHED), mode="valid") / np.sqrt(_SMOOTHED)
         value = share.mean(axis=0) * (1.0 + scale) + noise
-        rows = (f"{x:g},{100.0 * y:.4f}" for x, y in zip(points, value, strict=True))
+        rows = (",".join(row) for row in cells("g .4f", points, 100.0 * value))
         files[name] = "\n".join([*lines, f"{axis},{ordinate}", *rows]) + "\n"
     return files
 

@@ -87,11 +87,6 @@ def tac_figures(fits: "Sequence[TacFit]") -> dict[str, Figure]:
     return {"tac": figure}
 
 
-def plot_tac(fit: "TacFit", ax: Axes) -> None:
-    """Draw one run."""
-    effective_conductance([fit], ax)
-
-
 def both_faces(found: "TacDifference", ax: Axes) -> Axes:
     """Draw the coefficients of both faces with their joint error, and lines of equal difference."""
     x, y = found.tac_bottom, found.tac_top

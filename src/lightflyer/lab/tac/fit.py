@@ -108,7 +108,8 @@ class TacFit(LabResult):
     warnings: tuple[str, ...]  #: What a reader of the result must know
 
     _figures = "tac.figures:tac_figures"
-    _drawing = "tac.figures:plot_tac"
+    _drawing = "tac.figures:effective_conductance"
+    _several = True
 
     @property
     def pressure(self) -> np.ndarray:

@@ -27,6 +27,7 @@ from lightflyer.kinetic_theory.solver import TEMPERATURE_RATIOS
 from lightflyer.kinetic_theory.walls import Wall
 
 SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))
+ROUGH = Resolution(2, 0.7, Quadrature(2, 2, 2))  # for free molecules
 HARD_SPHERE = 1.0186  # mean free path (32/5π) μ/(ρ v̄) over (μ/p) √(πRT/2)
 
 
@@ -85,18 +86,25 @@ def test_another_solver_near_the_continuum():
 
 
 def test_free_molecular_limit_is_approached_as_the_inverse_knudsen_number():
-    thin, thinner = (ratios(case(kn, (0.7, 0.9))) for kn in (30.0, 100.0))
+    thin, thinner = (ratios(case(kn, (0.7, 0.9)), ROUGH) for kn in (30.0, 100.0))
     for near, nearer in zip(thin, thinner, strict=True):
         assert 0.0 < 1.0 - nearer < 1.0 - near < 0.01
         assert (1.0 - near) / (1.0 - nearer) == pytest.approx(100.0 / 30.0, rel=0.12)
 
 
-@pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
-@pytest.mark.parametrize("kn", [2.0, 0.1])
-def test_force_of_heat_is_heat_of_motion(gas, kn):
+@pytest.mark.parametrize(
+    ("gas", "kn", "level", "near"),
+    [
+        (MONATOMIC, 2.0, SKETCH, 3e-4),
+        (DIATOMIC, 2.0, SKETCH, 3e-4),
+        (MONATOMIC, 0.5, SKETCH, 1e-3),
+        (DIATOMIC, 0.1, COARSE, 1e-3),
+    ],
+)
+def test_force_of_heat_is_heat_of_motion(gas, kn, level, near):
     """Onsager's reciprocity, face by face: it holds for no other weights of force and heat."""
-    mesh = COARSE.mesh(np.sqrt(np.pi) / 4.0 / kn, np.inf)
-    operators = assemble(mesh, np.sqrt(np.pi) / 4.0 / kn, COARSE.quadrature)
+    mesh = level.mesh(np.sqrt(np.pi) / 4.0 / kn, np.inf)
+    operators = assemble(mesh, np.sqrt(np.pi) / 4.0 / kn, level.quadrature)
     tac = (0.6, 0.9)
     systems = {wall: LinearSystem(operators, gas, 0.75, wall=wall) for wall in get_args(Wall)}
     # the factors are those of a solid disk, and precondition the disks with holes
@@ -109,13 +117,13 @@ def test_force_of_heat_is_heat_of_motion(gas, kn):
             weights = mesh.face_weights
             pressures = [weights @ face_result(system, hot, fields[k], k).pressure for k in (0, 1)]
             heat = weights @ face_result(system, moved, flow[face], face).heat
-            assert heat == pytest.approx(pressures[1] - pressures[0], rel=1e-3), wall
+            assert heat == pytest.approx(pressures[1] - pressures[0], rel=near), wall
 
 
 def test_moved_disk_feels_the_free_molecular_drag():
     """Disk moved broadside through a very thin gas: 2 (4 − 2α + πα/2)/√π per face pair."""
-    mesh = SKETCH.mesh(0.004, np.inf)
-    operators = assemble(mesh, 0.004, SKETCH.quadrature)
+    mesh = ROUGH.mesh(0.004, np.inf)
+    operators = assemble(mesh, 0.004, ROUGH.quadrature)
     system = LinearSystem(operators, MONATOMIC, 0.7)
     walls = FaceWalls((0.7, 0.7), (0.0, 0.0), velocity=1.0)
     fields = system.solve(walls)[0]
@@ -123,7 +131,7 @@ def test_moved_disk_feels_the_free_molecular_drag():
         mesh.face_weights @ face_result(system, walls, fields[k], k).pressure for k in (0, 1)
     )
     expected = 2.0 * (4.0 - 2.0 * 0.7 + 0.5 * np.pi * 0.7) / np.sqrt(np.pi)
-    assert up - down == pytest.approx(expected, rel=0.01)
+    assert up - down == pytest.approx(expected, rel=3e-3)
 
 
 def test_equal_faces_feel_no_force_and_exchanged_ones_the_opposite():
@@ -153,10 +161,10 @@ def test_gas_far_away_is_resolved_by_wide_panels():
 
 
 def test_gas_around_a_very_hot_disk_is_resolved_as_well():
-    force, heat = row_solved(0.08, 2.5, SKETCH)
-    expected = row_of_the_table(0.08, 2.5)
-    assert force == pytest.approx(expected[0], rel=0.025)
-    assert heat == pytest.approx(expected[1], rel=2e-3)
+    force, heat = row_solved(0.2, 2.5, SKETCH)
+    expected = row_of_the_table(0.2, 2.5)
+    assert force == pytest.approx(expected[0], rel=5e-3)
+    assert heat == pytest.approx(expected[1], rel=5e-4)
 
 
 def test_open_space_is_the_limit_of_a_far_reservoir():
@@ -199,12 +207,12 @@ def test_nonlinear_goes_to_linear(gas, excess):
 def test_nonlinear_free_molecular_limit_of_maxwell_walls(gas):
     top, bottom = TEMPERATURE_RATIOS[::-1]
     hot = case(100.0, (0.5, 1.0), (top, bottom), linear=False, gas=gas)
-    outcome = solve_case(hot, SKETCH)
+    outcome = solve_case(hot, ROUGH)
     # a face returns the share α of its molecules with √T times the momentum, T times the energy
     force = 0.5 * (1.0 * (np.sqrt(bottom) - 1.0) - 0.5 * (np.sqrt(top) - 1.0))
     carried = {"monatomic": 2.0, "diatomic": 3.0}[gas.name] / 2.0
     heat = carried * (0.5 * (top - 1.0) + bottom - 1.0) / np.sqrt(np.pi)
-    assert outcome.force == pytest.approx(force, rel=4e-3)
+    assert outcome.force == pytest.approx(force, rel=1e-3)
     assert sum(outcome.heat) == pytest.approx(heat, rel=1e-3)
     limit = hot.free_molecular()
     assert (limit.force, sum(limit.heat)) == pytest.approx((force, heat), rel=1e-12)
@@ -215,12 +223,12 @@ def test_nonlinear_free_molecular_limit_of_maxwell_walls(gas):
 def test_holes_take_their_share_of_the_free_molecular_force(holes, linear):
     faces = (0.2, 0.9) if linear else (1.2, 1.9)
     problem = case(100.0, (0.7, 0.9), faces, linear, DIATOMIC, holes=holes)
-    outcome = solve_case(problem, SKETCH)
+    outcome = solve_case(problem, ROUGH)
     growth = (0.1, 0.45) if linear else (np.sqrt(1.2) - 1.0, np.sqrt(1.9) - 1.0)
     force = 0.5 * (1.0 - holes) * (0.9 * growth[1] - 0.7 * growth[0])
     heat = 1.5 * (1.0 - holes) * (0.7 * 0.2 + 0.9 * 0.9) / np.sqrt(np.pi)
-    assert outcome.force == pytest.approx(force, rel=4e-3)
-    assert sum(outcome.heat) == pytest.approx(heat, rel=2e-3)
+    assert outcome.force == pytest.approx(force, rel=2e-3)
+    assert sum(outcome.heat) == pytest.approx(heat, rel=1e-3)
     limit = problem.free_molecular()
     assert (limit.force, sum(limit.heat)) == pytest.approx((force, heat), rel=1e-12)
 

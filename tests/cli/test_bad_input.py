@@ -177,6 +177,8 @@ COMMANDS = [
     ("predict latin.toml", "latin.toml:1: is not text in UTF-8"),
     ("predict points.csv", "points.csv:6: is not valid TOML"),
     ("predict study.toml", "is a study file: run it with sweep"),
+    ("fly study.toml", "is a study file: run it with sweep"),
+    ("predict mission.toml", "is a mission file: run it with fly or spread"),
     ("predict flyer.toml --at 70", "--at: .* has no unit"),
     ("predict flyer.toml --at 70kg", "of the wrong kind"),
     ("predict flyer.toml --at 3Pa", "of the wrong kind"),
@@ -269,7 +271,7 @@ def folder(tmp_path_factory):
     """Files that the commands below are given."""
     made = tmp_path_factory.mktemp("bad")
     names = {"flyer.toml": "earth", "study.toml": "sweep", "points.csv": "points"}
-    names |= {f"{kind}.toml": kind for kind in ("chamber", "layers", "optimise")}
+    names |= {f"{kind}.toml": kind for kind in ("chamber", "layers", "optimise", "mission")}
     for name, kind in names.items():
         (made / name).write_text(TEXTS[kind], encoding="utf-8")
     (made / "one.csv").write_text("\n".join(TEXTS["points"].splitlines()[:7]), encoding="utf-8")

@@ -24,10 +24,15 @@ def _keys_of(section: str, document: Any) -> list[str]:
     return [] if kind is None else list(kind.model_fields)
 
 
+def is_study(document: Any) -> str:
+    """What to do with a study file; empty for another."""
+    named = isinstance(document.get("flyer"), str)
+    return "a study file: run it with sweep, optimise or sensitivity" if named else ""
+
+
 def _mistaken_for(document: Any) -> str:
-    if isinstance(document.get("flyer"), str):
-        return "a study file: run it with sweep, optimise or sensitivity"
-    return ""
+    mission = "mission" in document
+    return "a mission file: run it with fly or spread" if mission else is_study(document)
 
 
 FLYER_FILE = FileKind(

@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import pydantic
 
 from lightflyer.config.flyer_file import FileDesign, FlyerFile, section_at, section_within
+from lightflyer.config.reader import is_study
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import (
     RADIANS_PER_DEGREE,
@@ -362,6 +363,8 @@ def read_mission_file(path: str | Path) -> MissionFile:
 def mission_of_text(text: str, path: Path) -> MissionFile:
     """What the text of a mission file describes."""
     document = parse_toml(text, path, MISSION_FILE)
+    if other := is_study(document):
+        raise ConfigurationError(f"{path}: is {other}")
     rest = {name: content for name, content in document.items() if name != _MISSION}
     part = {name: content for name, content in document.items() if name == _MISSION}
     mission, missions_mistakes = check(_MissionPart, part, text, path, MISSION_FILE)

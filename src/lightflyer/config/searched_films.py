@@ -161,7 +161,8 @@ class Stacks(AbstractStacks):
         self.section: Any = base.file.films().get(self.film)
         if self.section is None or not self.section.layered:
             known = [name for name, film in base.file.films().items() if film.layered]
-            choice = " or ".join(known) or "the flyer file has none"
+            choice = " or ".join(known)
+            choice = choice or "the flyer file has none; lightflyer init --kind layers writes one"
             raise ConfigurationError(f'film = "{self.film}" is no film of layers: {choice}')
         once = [name for name in self.section.stated_values() if name not in _STATED_ONCE]
         if once:

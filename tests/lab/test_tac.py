@@ -14,7 +14,7 @@ from lightflyer.lab.tac import fit as tac
 from lightflyer.lab.tac import intervals, preparation
 from lightflyer.lab.tac import problem as tac_problem
 from lightflyer.lab.tac.data import EXACT, TacAccuracy, TacRun, unstated_accuracies
-from lightflyer.lab.tac.fit import mean_tac, summary
+from lightflyer.lab.tac.fit import TacRuns
 from lightflyer.lab.tac.preparation import Bench, make_problem, misfit_warnings, rows_off_the_curve
 from lightflyer.lab.tac.problem import HEAT_LAWS, KINETIC_LAW, KineticLaw
 
@@ -378,10 +378,10 @@ def test_other_readings_are_told():
 def test_mean_of_runs_keeps_what_they_have_in_common(rng):
     fits = [tac.fit_tac(independent_run(60, 0.01, rng), **OPTIONS) for _ in range(4)]
     common = np.sqrt(fits[0].tac.uncertainty ** 2 - fits[0].statistical["tac"].uncertainty ** 2)
-    mean = mean_tac(fits)
+    mean = TacRuns(fits).mean()
     assert mean.uncertainty > 0.95 * common
     assert mean.uncertainty < 1.15 * fits[0].tac.uncertainty
-    assert summary(fits)["warnings"][0].startswith("synthetic: the reading printed")
+    assert TacRuns(fits).summary()["warnings"][0].startswith("synthetic: the reading printed")
 
 
 def test_constant_pressure_is_refused(rng):

@@ -11,7 +11,7 @@ from lightflyer.gas import AIR
 from lightflyer.lab.estimate import Estimate
 from lightflyer.lab.tac import intervals, preparation
 from lightflyer.lab.tac.data import EXACT, TacAccuracy, TacRun
-from lightflyer.lab.tac.difference import _means, difference_tables, fit_tac_difference
+from lightflyer.lab.tac.difference import _means, fit_tac_difference
 from lightflyer.lab.tac.fit import fit_tac
 from lightflyer.lab.tac.problem import KINETIC_LAW
 
@@ -216,7 +216,7 @@ def test_film_values_give_the_uncertainty_of_the_difference(rng):
 def test_result_in_words_table_and_figure(rng):
     found = fit_tac_difference(run_of(TOP, rng), run_of(BOTTOM, rng), accuracy=USUAL)
     assert "TAC α, top less bottom" in str(found)
-    written = difference_tables(found)["tac-difference.csv"].splitlines()
+    written = found.tables()["tac-difference.csv"].splitlines()
     cells = written[-1].split(",")
     assert cells[0] == "difference"
     assert float(cells[1]) == pytest.approx(found.difference.value)

@@ -9,7 +9,7 @@ from lightflyer.lab import options
 
 if TYPE_CHECKING:
     from lightflyer.lab.result import Outcome
-    from lightflyer.lab.tac.fit import TacFit
+    from lightflyer.lab.tac.fit import TacRuns
 
 
 @options.measurement(face="update", other_face="top")
@@ -109,12 +109,8 @@ def tac(
     from lightflyer.gas import GASES
     from lightflyer.lab.result import Outcome, figures_by, require_distinct
     from lightflyer.lab.tac import data
-    from lightflyer.lab.tac import fit as tac_fits
-    from lightflyer.lab.tac.difference import (
-        difference_dataset,
-        difference_tables,
-        fit_tac_difference,
-    )
+    from lightflyer.lab.tac.difference import TacDifference, fit_tac_difference
+    from lightflyer.lab.tac.fit import TacRuns, fit_tac
     from lightflyer.lab.tac.preparation import LU2023_HEATER_DIAMETER, POSSIBLE_TAC
     from lightflyer.lab.tac.problem import HEAT_LAWS, KINETIC, KineticLaw
 
@@ -171,64 +167,48 @@ def tac(
     require_distinct([(run.source, (run.pressure, run.power)) for run in runs])
     doubts = pirani_doubts(gas, shown, accuracy_stated="gauge" in stated)
     unstated = data.unstated_accuracies(stated, None if diameter else LU2023_HEATER_DIAMETER)
-    common: dict[str, Any] = {
-        "read": [run.table for run in runs],
-        "origin": f"tac, {reading} reading, in {gas}",
-        "sources": [file for side in faces for file in side or ()],
-    }
+    found: TacRuns | TacDifference
+    values: Any = {}
     if len(sides) == 1:
-        fits = [tac_fits.fit_tac(run, **settings) for run in runs]
-        mean = tac_fits.mean_tac(fits)
-        warnings = [
-            *doubts, *tac_fits.warnings_of(fits), *_about_flyer(update, [fits], face), *unstated
-        ]  # fmt: skip
-        text = [part for fit in fits for part in fit.parts()]
-        return Outcome(
-            tac_fits.summary(fits),
-            tac_fits.to_dataset(fits, warnings),
-            [
-                f"TAC α {mean}", *text,
-                *(tac_fits.runs_parts(fits, mean) if len(fits) > 1 else ()),
-            ],
-            warnings=warnings,
-            figures=figures_by("tac.figures:tac_figures", fits),
-            tables=tac_fits.tables(fits),
-            values=dict.fromkeys(tac_keys(face), mean) if face else {},
-            **common,
-        )  # fmt: skip
-    found = fit_tac_difference(*sides, **settings, other_face=other_face)
-    warnings = [
-        *doubts, *found.warnings, *_about_flyer(update, [found.top, found.bottom]), *unstated
-    ]  # fmt: skip
+        found = TacRuns([fit_tac(run, **settings) for run in runs])
+        surfaces = [found]
+        if face:
+            values = dict.fromkeys(tac_keys(face), found.mean())
+    else:
+        found = fit_tac_difference(*sides, **settings, other_face=other_face)
+        surfaces, values = [TacRuns(found.top), TacRuns(found.bottom)], found.film_values()
+    warnings = [*doubts, *found.warnings, *_about_flyer(update, surfaces, face), *unstated]
     return Outcome(
         found.summary(),
-        difference_dataset(found, warnings),
-        [f"TAC α, top less bottom {found.difference}", *found.parts()],
+        found.to_dataset(warnings),
+        [found.headline, *found.parts()],
+        read=[run.table for run in runs],
         warnings=warnings,
-        figures=figures_by("tac.figures:difference_figures", found),
-        tables=difference_tables(found),
-        values=found.film_values(),
-        digits=4,  # the difference of both ± keeps the uncertainty of the coefficients' difference
-        **common,
+        figures=figures_by("tac.figures:bench_figures", found),
+        tables=found.tables(),
+        values=values,
+        # the difference of both ± keeps the uncertainty of the coefficients' difference
+        digits=2 if len(sides) == 1 else 4,
+        origin=f"tac, {reading} reading, in {gas}",
+        sources=[file for side in faces for file in side or ()],
     )
 
 
 def _about_flyer(
-    flyer: Path | None, sides: "Sequence[Sequence[TacFit]]", face: options.Face | None = None
+    flyer: Path | None, surfaces: "Sequence[TacRuns]", face: options.Face | None
 ) -> list[str]:
     """What to know of coefficients in a flyer file; raises if they are not fit for one."""
     if flyer is None:
         return []
     from lightflyer.config.reader import read_flyer_file
     from lightflyer.gas.pure import AIRS
-    from lightflyer.lab.tac import fit as tac_fits
     from lightflyer.lab.tac.problem import KINETIC
 
-    for fits in sides:
-        reason = tac_fits.why_no_property(fits)
+    for one in surfaces:
+        reason = one.why_no_property()
         if reason is not None:
             raise ConfigurationError(f"{reason}; {flyer} is unchanged")
-    file, first = read_flyer_file(flyer), sides[0][0]
+    file, first = read_flyer_file(flyer), surfaces[0].fits[0]
     said = []
     film: Any = getattr(file, "film", None)
     other = getattr(film, "tac_bottom" if face == "top" else "tac_top", None)
@@ -237,7 +217,7 @@ def _about_flyer(
     elif face is not None and getattr(other, "uncertainty", None):
         said.append(
             "where both faces were measured on this bench, they share the errors of gauge and "
-            f"plateau: tac_correlation = {tac_fits.correlation_between_samples(sides[0]):.2g} says "
+            f"plateau: tac_correlation = {surfaces[0].correlation_between_samples:.2g} says "
             f"so (it is {film.tac_correlation.value:g}), and --top and --bottom, which fit runs of "
             "both together, know it better"
         )

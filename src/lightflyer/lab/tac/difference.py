@@ -24,14 +24,7 @@ from lightflyer.gas.base import AbstractGas
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate, student_factor
 from lightflyer.lab.result import LabResult, Reported, Series, Shown, variables
 from lightflyer.lab.tac.data import TacAccuracy, TacRun
-from lightflyer.lab.tac.fit import (
-    TacFit,
-    fit_together,
-    tables,
-    to_dataset,
-    warnings_of,
-    with_spread,
-)
+from lightflyer.lab.tac.fit import TacFit, TacRuns, fit_together, with_spread
 from lightflyer.lab.tac.preparation import (
     LU2023_HEATER_DIAMETER,
     MOST_TAC,
@@ -87,6 +80,11 @@ class TacDifference(LabResult):
         """Standard uncertainty that the difference had if nothing were shared [1]."""
         return math.hypot(self.tac_top.uncertainty or 0.0, self.tac_bottom.uncertainty or 0.0)
 
+    @property
+    def headline(self) -> str:
+        """The difference."""
+        return f"TAC α, top less bottom {self.difference}"
+
     def parts(self) -> Parts:
         """Difference of two faces, their coefficients, and the runs of each."""
         rows = [
@@ -138,6 +136,38 @@ class TacDifference(LabResult):
             },
             "warnings": list(self.warnings),
         }
+
+    def to_dataset(self, warnings: Sequence[str]) -> "xr.Dataset":
+        """Rows of all runs, with the coefficients of both faces and their covariance."""
+        record = TacRuns(self.fits).to_dataset(warnings)
+        names = np.array(["top"] * len(self.top) + ["bottom"] * len(self.bottom))
+        pair = self.tac_top, self.tac_bottom
+        spread = np.array([one.uncertainty or 0.0 for one in pair])
+        related = np.array([[1.0, self.tac_correlation], [self.tac_correlation, 1.0]])
+        return record.assign(
+            face_of_row=("row", names[record["run"].values], {"long_name": "face of the sample"}),
+            **variables("face", [Series("tac", np.array([one.value for one in pair]), "", "TAC")]),
+            **variables(("face", "other_face"), [
+                Series("tac_covariance", np.outer(spread, spread) * related, "",
+                       "covariance of the errors of both TACs"),
+            ]),
+            **variables((), [
+                Series("tac_difference", self.difference.value, "",
+                       "TAC of the top less of the bottom"),
+                Series("tac_difference_uncertainty", self.difference.uncertainty, "",
+                       "its standard uncertainty"),
+            ]),
+        ).assign_coords(face=["top", "bottom"], other_face=["top", "bottom"])  # fmt: skip
+
+    def tables(self) -> dict[str, str]:
+        """Fitted rows of each run, and coefficients with their difference, as CSV by file name."""
+        lines = [f"# correlation of the errors of both TACs: {self.tac_correlation:.6g}"]
+        lines.append("quantity,value,lower 95 %,upper 95 %,standard uncertainty")
+        for name in ("tac_top", "tac_bottom", "difference"):
+            one: Estimate = getattr(self, name)
+            numbers = one.value, *one.interval, one.uncertainty or 0.0
+            lines.append(",".join([name, *(f"{number:.8g}" for number in numbers)]))
+        return TacRuns(self.fits).tables() | {"tac-difference.csv": "\n".join(lines) + "\n"}
 
 
 @reads_units
@@ -232,7 +262,7 @@ def fit_tac_difference(
         top=of_top, bottom=of_bottom, tac_top=tac_top, tac_bottom=tac_bottom,
         difference=Estimate.covering(float(_APART @ means), NORMAL_FACTOR * apart),
         tac_correlation=float(joint[0, 1] / spreads) if spreads else 0.0,
-        warnings=(*warnings_of(fits), *alone), other_face=other_face,
+        warnings=(*TacRuns(fits).warnings, *alone), other_face=other_face,
     )  # fmt: skip
 
 
@@ -261,37 +291,3 @@ def _means(
     rows = np.diag([one.uncertainty or 0.0 for one in by_rows]) ** 2
     shared = weights @ (covariance - rows) @ weights.T
     return means, np.diag(wider / precision.sum(axis=1)) + shared
-
-
-def difference_dataset(found: TacDifference, warnings: Sequence[str] | None = None) -> "xr.Dataset":
-    """Rows of all runs, with the coefficients of both faces and their covariance."""
-    record = to_dataset(found.fits, found.warnings if warnings is None else warnings)
-    names = np.array(["top"] * len(found.top) + ["bottom"] * len(found.bottom))
-    pair = found.tac_top, found.tac_bottom
-    spread = np.array([one.uncertainty or 0.0 for one in pair])
-    related = np.array([[1.0, found.tac_correlation], [found.tac_correlation, 1.0]])
-    return record.assign(
-        face_of_row=("row", names[record["run"].values], {"long_name": "face of the sample"}),
-        **variables("face", [Series("tac", np.array([one.value for one in pair]), "", "TAC")]),
-        **variables(("face", "other_face"), [
-            Series("tac_covariance", np.outer(spread, spread) * related, "",
-                   "covariance of the errors of both TACs"),
-        ]),
-        **variables((), [
-            Series("tac_difference", found.difference.value, "",
-                   "TAC of the top less of the bottom"),
-            Series("tac_difference_uncertainty", found.difference.uncertainty, "",
-                   "its standard uncertainty"),
-        ]),
-    ).assign_coords(face=["top", "bottom"], other_face=["top", "bottom"])  # fmt: skip
-
-
-def difference_tables(found: TacDifference) -> dict[str, str]:
-    """Fitted rows of each run, and the coefficients with their difference, as CSV by file name."""
-    pair = found.tac_top, found.tac_bottom, found.difference
-    lines = [f"# correlation of the errors of both TACs: {found.tac_correlation:.6g}"]
-    lines.append("quantity,value,lower 95 %,upper 95 %,standard uncertainty")
-    for name, one in zip(("tac_top", "tac_bottom", "difference"), pair, strict=True):
-        numbers = one.value, *one.interval, one.uncertainty or 0.0
-        lines.append(",".join([name, *(f"{number:.8g}" for number in numbers)]))
-    return tables(found.fits) | {"tac-difference.csv": "\n".join(lines) + "\n"}

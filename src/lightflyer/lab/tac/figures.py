@@ -13,7 +13,7 @@ from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate
 
 if TYPE_CHECKING:
     from lightflyer.lab.tac.difference import TacDifference
-    from lightflyer.lab.tac.fit import TacFit
+    from lightflyer.lab.tac.fit import TacFit, TacRuns
 
 _TITLE = "points: measured; lines through them: fit"
 _SHADED = (0.5, 1.5)  # range of coefficients that the paper shades
@@ -126,6 +126,7 @@ def _arms(one: Estimate) -> np.ndarray:
     return np.array([[one.value - low], [high - one.value]])
 
 
-def difference_figures(found: "TacDifference") -> dict[str, Figure]:
-    """Figures of all runs and of both coefficients, by file name without suffix."""
-    return {**tac_figures(found.fits), "tac-difference": found.plot()}
+def bench_figures(found: "TacRuns | TacDifference") -> dict[str, Figure]:
+    """Figures of all runs, and of the coefficients of both faces, by file name without suffix."""
+    faces = {"tac-difference": found.plot()} if hasattr(found, "plot") else {}
+    return tac_figures(found.fits) | faces

@@ -385,106 +385,116 @@ def _result(prepared: Prepared, solution: HeaterSolution, bench: Bench) -> TacFi
     )
 
 
-def runs_parts(fits: Sequence[TacFit], mean: Estimate) -> Parts:
-    """Table of runs, like the paper's table S2, and the mean of their coefficients."""
-    rows = []
-    for fit in fits:
-        low, high = fit.tac.interval
-        rows.append((
-            fit.run.source, f"{fit.tac.value:.3f}", f"{low:.3f} to {high:.3f}",
-            f"{fit.area_ratio.value:.3f}", f"{fit.offset.value:.3f}",
-        ))  # fmt: skip
-    yield table_of(_RUNS, rows)
-    yield f"mean accommodation coefficient {mean}"
-
-
-def mean_tac(fits: Sequence[TacFit], name: str = "tac") -> Estimate:
-    """Mean accommodation coefficient, or another parameter, of several runs on one bench."""
-    if len(fits) == 1:
-        return fits[0].estimates()[name]
-    each = [with_spread(fit.statistical[name]) for fit in fits]
-    mean = weighted_mean(each, common=_common_part(fits, name))
-    low, high = preparation.BOUNDS[name]
-    return replace(mean, interval=(max(mean.interval[0], low), min(mean.interval[1], high)))
-
-
-def _common_part(fits: Sequence[TacFit], name: str) -> float:
-    """Standard uncertainty from errors that all rows, and all runs, have in common."""
-    total, part = (
-        np.array([one[name].uncertainty or 0.0 for one in found])
-        for found in ([fit.estimates() for fit in fits], [fit.statistical for fit in fits])
-    )
-    return float(np.sqrt(np.maximum(total**2 - part**2, 0.0)).mean())
-
-
 def with_spread(estimate: Estimate) -> Estimate:
     """The estimate; rows computed by a model have rounding for a spread, not zero."""
     spread = max(estimate.uncertainty or 0.0, _ROUNDING * abs(estimate.value))
     return replace(estimate, uncertainty=spread)
 
 
-def correlation_between_samples(fits: Sequence[TacFit]) -> float:
-    """Correlation of the coefficients' errors between two samples measured on one bench [1]."""
-    total = mean_tac(fits).uncertainty or 0.0
-    return min((_common_part(fits, "tac") / total) ** 2, 1.0) if total else 0.0
+@dataclass(frozen=True)
+class TacRuns:
+    """Runs of one surface on one bench."""
 
+    fits: Sequence[TacFit]
 
-def why_no_property(fits: Sequence[TacFit]) -> str | None:
-    """Why the coefficient cannot be that of a film, in one line; None if it can."""
-    for fit in fits:
-        if fit.undetermined:
-            return fit.undetermined
-    mean, first = mean_tac(fits), fits[0]
-    if mean.interval[0] <= preparation.POSSIBLE_TAC:
-        return None
-    return (
-        f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "
-        f"{first.reading} is above 1 beyond its uncertainty"
-    )
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader of the results must know."""
+        return joint_warnings([(fit.run.source, fit.warnings) for fit in self.fits])
 
+    @property
+    def headline(self) -> str:
+        """The coefficient."""
+        return f"TAC α {self.mean()}"
 
-def warnings_of(fits: Sequence[TacFit]) -> list[str]:
-    """Warnings of all runs; see :func:`~lightflyer.lab.result.joint_warnings`."""
-    return joint_warnings([(fit.run.source, fit.warnings) for fit in fits])
+    def mean(self, name: str = "tac") -> Estimate:
+        """Mean accommodation coefficient, or another parameter."""
+        if len(self.fits) == 1:
+            return self.fits[0].estimates()[name]
+        each = [with_spread(fit.statistical[name]) for fit in self.fits]
+        mean = weighted_mean(each, common=self._common_part(name))
+        low, high = preparation.BOUNDS[name]
+        return replace(mean, interval=(max(mean.interval[0], low), min(mean.interval[1], high)))
 
+    def _common_part(self, name: str) -> float:
+        """Standard uncertainty from errors that all rows, and all runs, have in common."""
+        total, part = np.array([
+            [one[name].uncertainty or 0.0 for one in (fit.estimates(), fit.statistical)]
+            for fit in self.fits
+        ]).T  # fmt: skip
+        return float(np.sqrt(np.maximum(total**2 - part**2, 0.0)).mean())
 
-def summary(fits: Sequence[TacFit]) -> dict[str, Any]:
-    """One run, or the mean of several with each of them, as a JSON object."""
-    related = {"correlation_between_samples": correlation_between_samples(fits)}
-    if len(fits) == 1:
-        return fits[0].summary() | related
-    return related | {
-        **{name: plain(mean_tac(fits, name)) for name in PARAMETERS},
-        "reading": fits[0].reading,
-        "gas": fits[0].gas,
-        "determined": all(fit.undetermined is None for fit in fits),
-        "rows_used": sum(fit.rows_used for fit in fits),
-        "rows_dropped": sum(fit.rows_dropped for fit in fits),
-        "runs": {fit.run.source: fit.summary() for fit in fits},
-        "warnings": warnings_of(fits),
-    }
+    @property
+    def correlation_between_samples(self) -> float:
+        """Correlation of the coefficients' errors between two samples measured on one bench [1]."""
+        total = self.mean().uncertainty or 0.0
+        return min((self._common_part("tac") / total) ** 2, 1.0) if total else 0.0
 
+    def why_no_property(self) -> str | None:
+        """Why the coefficient cannot be that of a film, in one line; None if it can."""
+        for fit in self.fits:
+            if fit.undetermined:
+                return fit.undetermined
+        mean, first = self.mean(), self.fits[0]
+        if mean.interval[0] <= preparation.POSSIBLE_TAC:
+            return None
+        return (
+            f"{first.run.source}: accommodation coefficient {mean.value:.3g} by the reading "
+            f"{first.reading} is above 1 beyond its uncertainty"
+        )
 
-def to_dataset(fits: Sequence[TacFit], warnings: Iterable[str] | None = None) -> "xr.Dataset":
-    """Rows of all runs over ``row``; ``warnings``: in place of those of the fits."""
-    number = np.repeat(np.arange(len(fits)), [fit.rows_used for fit in fits])
-    rows = [
-        of_runs[0]._replace(values=np.concatenate([one.values for one in of_runs]))
-        for of_runs in zip(*(fit.series() for fit in fits), strict=True)
-    ]
-    return dataset(
-        "thermal accommodation coefficient",
-        variables("row", [Series("run", number, "", "position of the file, from 0"), *rows]),
-        [fit.run.source for fit in fits],
-        warnings=warnings_of(fits) if warnings is None else warnings,
-        reading=fits[0].reading,
-        gas=fits[0].gas,
-    )
+    def parts(self) -> Parts:
+        """Each run; of several a table, like the paper's table S2, and the mean."""
+        for fit in self.fits:
+            yield from fit.parts()
+        if len(self.fits) > 1:
+            rows = []
+            for fit in self.fits:
+                low, high = fit.tac.interval
+                rows.append((
+                    fit.run.source, f"{fit.tac.value:.3f}", f"{low:.3f} to {high:.3f}",
+                    f"{fit.area_ratio.value:.3f}", f"{fit.offset.value:.3f}",
+                ))  # fmt: skip
+            yield table_of(_RUNS, rows)
+            yield f"mean accommodation coefficient {self.mean()}"
 
+    def summary(self) -> dict[str, Any]:
+        """One run, or the mean of several with each of them, as a JSON object."""
+        fits = self.fits
+        related = {"correlation_between_samples": self.correlation_between_samples}
+        if len(fits) == 1:
+            return fits[0].summary() | related
+        return related | {
+            **{name: plain(self.mean(name)) for name in PARAMETERS},
+            "reading": fits[0].reading,
+            "gas": fits[0].gas,
+            "determined": all(fit.undetermined is None for fit in fits),
+            "rows_used": sum(fit.rows_used for fit in fits),
+            "rows_dropped": sum(fit.rows_dropped for fit in fits),
+            "runs": {fit.run.source: fit.summary() for fit in fits},
+            "warnings": self.warnings,
+        }
 
-def tables(fits: Sequence[TacFit]) -> dict[str, str]:
-    """Fitted rows of each run as CSV, by file name."""
-    return {
-        f"tac-rows-{number}.csv": csv_text([f"# {fit.run.source}"], fit.series())
-        for number, fit in enumerate(fits, start=1)
-    }
+    def to_dataset(self, warnings: Iterable[str]) -> "xr.Dataset":
+        """Rows of all runs over ``row``."""
+        fits = self.fits
+        number = np.repeat(np.arange(len(fits)), [fit.rows_used for fit in fits])
+        rows = [
+            of_runs[0]._replace(values=np.concatenate([one.values for one in of_runs]))
+            for of_runs in zip(*(fit.series() for fit in fits), strict=True)
+        ]
+        return dataset(
+            "thermal accommodation coefficient",
+            variables("row", [Series("run", number, "", "position of the file, from 0"), *rows]),
+            [fit.run.source for fit in fits],
+            warnings=warnings,
+            reading=fits[0].reading,
+            gas=fits[0].gas,
+        )
+
+    def tables(self) -> dict[str, str]:
+        """Fitted rows of each run as CSV, by file name."""
+        return {
+            f"tac-rows-{number}.csv": csv_text([f"# {fit.run.source}"], fit.series())
+            for number, fit in enumerate(self.fits, start=1)
+        }

@@ -1,5 +1,6 @@
 """Force models of one's own, in plain NumPy, as a theorist writes them in a notebook."""
 
+import dataclasses
 import math
 import traceback
 import types
@@ -10,6 +11,7 @@ import jax
 import numpy as np
 import pytest
 import scipy.special
+from jax.extend.core import jaxprs_in_params
 
 import lightflyer as lf
 from lightflyer.force.laws.faces import free_molecular_conductance
@@ -122,6 +124,27 @@ def test_a_changed_constant_counts_for_derivatives_and_a_search_is_traced_once(d
     calls.clear()
     slope_of(lambda disk: lf.levitate(disk, STATE, model).irradiance)
     assert len(calls) <= 3  # one for each shape and type that the search asks for
+
+
+def test_what_no_step_of_a_search_changes_is_in_no_loop(disk):
+    def share(self, excess, state):
+        return 1.0 + 0.1 * lf.xp.sin(state.pressure) * lf.xp.cos(excess)
+
+    def light(pressure):
+        state = dataclasses.replace(STATE, pressure=pressure)
+        return lf.levitate(disk, state, own(share)).irradiance
+
+    def in_loops(program, within=False):
+        for step in program.eqns:
+            if within:
+                yield step.primitive.name
+            for part in jaxprs_in_params(step.params):
+                yield from in_loops(part, within or step.primitive.name == "while")
+
+    with lf.float64():
+        names = {*in_loops(jax.make_jaxpr(light)(3.0).jaxpr)}
+    assert "cos" in names
+    assert "sin" not in names
 
 
 def test_a_class_attribute_and_a_replaced_method_count(disk):

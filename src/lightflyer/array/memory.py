@@ -48,10 +48,7 @@ def traced_once(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def wrapper(*args: Any) -> Any:
-        # a model of the user's may hold what is no array
-        if call.jax is not sys.modules.get("jax", call) or not all(
-            is_tracer(leaf) or is_numeric(leaf) for leaf in leaves(args)
-        ):
+        if not is_traceable(args):
             return function(*args)  # type: ignore[call-arg]
         memory = call.memory.setdefault(wrapper, {})
         if not memory:  # by a function of its own, as JAX finds again what it has traced
@@ -59,3 +56,43 @@ def traced_once(function: Callable[P, R]) -> Callable[P, R]:
         return memory[None](*args)
 
     return wrapper  # type: ignore[return-value]
+
+
+def is_traceable(args: Any) -> bool:
+    """Whether JAX computes, and may take these for arguments: a user's model may hold no arrays."""
+    return call.jax is sys.modules.get("jax", call) and all(
+        is_tracer(leaf) or is_numeric(leaf) for leaf in leaves(args)
+    )
+
+
+def part_known(
+    function: Callable[[Any, Any], Any], known: Any, unknown: Any
+) -> tuple[tuple[Any, ...], Callable[[tuple[Any, ...], Any], Any]]:
+    """What JAX can compute of a function by its first argument, and the rest of the function.
+
+    A loop that calls the rest, or a derivative of it, is compiled without what it does not change.
+    """
+    from jax.extend.core import ClosedJaxpr, Literal, jaxpr_as_fun
+
+    jax, given = call.jax, leaves(known)
+    closed, shape = jax.make_jaxpr(function, return_shape=True)(known, unknown)
+    whole, form = closed.jaxpr, jax.tree.structure(shape)
+    begin, end = [*whole.constvars, *whole.invars[: len(given)]], whole.invars[len(given) :]
+    computed, early, late = {*begin}, [], []
+    for step in whole.eqns:
+        if all(isinstance(one, Literal) or one in computed for one in step.invars):
+            early.append(step)
+            computed.update(step.outvars)
+        else:
+            late.append(step)
+    used = [*whole.outvars, *(one for step in late for one in step.invars)]
+    kept = [one for one in used if not isinstance(one, Literal) and one in computed]
+    kept = list(dict.fromkeys(kept))
+
+    def program(inputs: Any, steps: Any, outputs: Any) -> Any:
+        part = whole.replace(constvars=(), invars=inputs, eqns=steps, outvars=outputs)
+        return jax.jit(jaxpr_as_fun(ClosedJaxpr(part, ())))
+
+    values = tuple(program(begin, early, kept)(*closed.consts, *given))
+    rest = program([*kept, *end], late, whole.outvars)
+    return values, lambda values, unknown: form.unflatten(rest(*values, *leaves(unknown)))

@@ -237,6 +237,7 @@ def solve_balance(
 @elementwise_entry_point
 def solve_equilibrium(equations: FlightEquations) -> Equilibrium:
     """Temperatures and heat flows, converged or not."""
+    equations = equations.begin()
     flyer, state = equations.flyer, equations.state
     powers = equations.powers(state.radiation.irradiance)
     unknowns, outcome = solve_balance(equations, powers)

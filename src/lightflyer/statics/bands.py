@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lightflyer.array import tree
+from lightflyer.array.memory import traced_once
 from lightflyer.array.namespace import Array, Numeric, xp
 from lightflyer.array.records import Module, field
 from lightflyer.array.transformations import repeat, shape_of, stop_gradient
@@ -201,6 +202,7 @@ class _Searched(Module):
     logarithmic: bool = field(static=True)
     usable: bool = field(static=True)
 
+    @traced_once
     def margin(self, place: Array) -> Array:
         """Lift over weight, minus one, at a coordinate or its logarithm."""
         # or, where less, by how much the films are cooler than they may be, as a share of that

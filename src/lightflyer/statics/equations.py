@@ -1,13 +1,14 @@
 """What a flyer at rest gains, loses and carries: what balance and levitation solve."""
 
-from functools import reduce
+from collections.abc import Callable
+from functools import reduce, wraps
 from typing import Any
 
 import numpy as np
 
-from lightflyer.array.memory import kept, traced_once
-from lightflyer.array.namespace import Array, Numeric, as_numpy, xp
-from lightflyer.array.records import Module
+from lightflyer.array.memory import is_traceable, kept, part_known, traced_once
+from lightflyer.array.namespace import Array, Numeric, as_numpy, double, xp
+from lightflyer.array.records import Module, field
 from lightflyer.core.checks import is_traced
 from lightflyer.core.entry_point import entry_point
 from lightflyer.core.errors import ParameterError
@@ -33,12 +34,35 @@ def weight(flyer: AbstractFlyer, state: EnvironmentState) -> Numeric:
     return flyer.mass * state.gravity
 
 
+class _Begun(Module):
+    """A function of unknowns of one shape, as far as it does not depend on them."""
+
+    values: tuple[Array, ...]
+    rest: Any = field(static=True)
+    shape: tuple[int, ...] = field(static=True)
+
+
+def _of_unknowns(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Let a method go on from where it has begun."""
+    once = traced_once(method)
+
+    @wraps(method)
+    def wrapper(equations: "FlightEquations", unknowns: tuple[Any, ...]) -> Any:
+        begun = equations.begun.get(method.__name__)
+        if begun is not None and all(xp.shape(one) == begun.shape for one in unknowns):
+            return begun.rest(begun.values, tuple(map(double, unknowns)))
+        return once(equations, unknowns)
+
+    return wrapper
+
+
 class FlightEquations(Module):
     """Powers and forces of a flyer at rest, by its unknowns: excess of each node, then flows."""
 
     flyer: AbstractFlyer
     state: EnvironmentState
     model: AbstractForceModel
+    begun: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:  # also where a public function makes it of given parts
         require_record("flyer", (AbstractFlyer,), self.flyer)
@@ -53,6 +77,23 @@ class FlightEquations(Module):
             **shapes_in(self.state, "state."),
             **shapes_in(self.model),
         })  # fmt: skip
+
+    def begin(self, *, with_force: bool = False) -> "FlightEquations":
+        """The same for a search: JAX computes now what all its steps have in common."""
+        parts = self.flyer, self.state, self.model
+        if self.begun or not is_traceable(parts):
+            return self
+        shape = np.broadcast_shapes(*(one for part in parts for one in shapes_in(part).values()))
+        unknowns = self.unknowns_at(xp.zeros(shape))
+        begun: dict[str, Any] = {"light": _areas_and_gains(self.flyer, self.state)}
+        for name in ("heat_flows", "_flow_balance", "upward_force")[: 3 if with_force else 2]:
+            method = getattr(FlightEquations, name).__wrapped__
+
+            def whole(parts: Any, unknowns: Any, method: Any = method) -> Any:
+                return method(FlightEquations(*parts), unknowns)
+
+            begun[name] = _Begun(*part_known(whole, parts, unknowns), shape)
+        return FlightEquations(*parts, begun)
 
     @property
     def has_one_unknown(self) -> bool:
@@ -76,16 +117,20 @@ class FlightEquations(Module):
 
     def powers(self, irradiance: Numeric) -> tuple[Array, ...]:
         """Net power that each node absorbs under an irradiance of the beam [W]."""
-        areas, gains = _areas_and_gains(self.flyer, self.state)
+        areas, gains = self._areas_and_gains
         return tuple(irradiance * area + gain for area, gain in zip(areas, gains, strict=True))
+
+    @property
+    def _areas_and_gains(self) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+        return self.begun.get("light") or _areas_and_gains(self.flyer, self.state)
 
     def irradiance_for(self, loss: Array) -> tuple[Array, Array]:
         """Irradiance under which all nodes together gain a power [W/m²], and whether one does."""
-        area = total(self.flyer.beam_areas(self.state))
-        needed = loss - total(self.flyer.heat_gains(self.state))
+        area, gain = map(total, self._areas_and_gains)
+        needed = loss - gain
         return needed / xp.where(area > 0.0, area, 1.0), area > 0.0
 
-    @traced_once
+    @_of_unknowns
     def heat_flows(self, unknowns: tuple[Any, ...]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
         """Power that each node loses to the gas, and by radiation and to the others [W]."""
         gas: Any = self.model.heat_loss(self.flyer, self.state, unknowns)
@@ -106,10 +151,13 @@ class FlightEquations(Module):
 
     def balance(self, unknowns: tuple[Array, ...]) -> tuple[tuple[Array, ...], ...]:
         """What each node loses to the gas and else [W], and the equations of flows [1]."""
-        flows = self.model.flow_balance(self.flyer, self.state, unknowns)
-        return *self.heat_flows(unknowns), as_numpy(tuple(flows))
+        return *self.heat_flows(unknowns), self._flow_balance(unknowns)
 
-    @traced_once
+    @_of_unknowns
+    def _flow_balance(self, unknowns: tuple[Array, ...]) -> tuple[Array, ...]:
+        return as_numpy(tuple(self.model.flow_balance(self.flyer, self.state, unknowns)))
+
+    @_of_unknowns
     def upward_force(self, unknowns: tuple[Any, ...]) -> Array:
         """Vertical part of the gas's force, and the flyer's buoyancy [N]."""
         force = self.model.force(self.flyer, self.state, unknowns)

@@ -108,6 +108,7 @@ def levitate(
 
 @elementwise_entry_point
 def _levitate(equations: FlightEquations) -> Levitation:
+    equations = equations.begin(with_force=True)
     if equations.has_one_unknown and not equations.lifts_unheated:
         # one node: the temperature that carries the load, then the irradiance that holds it
         def force(excess: Array) -> Array:

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from jax import grad
 
 import lightflyer as lf
 from lightflyer.gas.carbon_dioxide import (
@@ -11,21 +10,6 @@ from lightflyer.gas.carbon_dioxide import (
 
 CO2, FROZEN = lf.gas.CARBON_DIOXIDE, lf.gas.FROZEN_CARBON_DIOXIDE
 
-# CoolProp 8.0.0, fluid "CO2" at 1e-7 mol/m³: temperature [K], viscosity [Pa s],
-# conductivity [W/(m K)], isobaric heat capacity over the molar gas constant [1].
-COOLPROP = np.array(
-    [
-        (110.0, 5.8445320679e-06, 5.4294684345e-03, 3.5249002092),
-        (130.0, 6.7818388352e-06, 5.8907658789e-03, 3.5682537040),
-        (150.0, 7.7287243886e-06, 6.7372028197e-03, 3.6376007871),
-        (200.0, 1.0142097492e-05, 9.5807190215e-03, 3.8925841052),
-        (250.0, 1.2580823057e-05, 1.2988298727e-02, 4.1900529197),
-        (300.0, 1.4993786441e-05, 1.6719181705e-02, 4.4771746943),
-        (500.0, 2.3910303022e-05, 3.2837434029e-02, 5.3679803923),
-        (800.0, 3.4934650206e-05, 5.6406407034e-02, 6.1867805910),
-        (1100.0, 4.4067615973e-05, 7.7505008505e-02, 6.6645533201),
-    ]
-).T
 
 # Wavenumbers of the four vibrations of carbon dioxide [1/cm] (NIST Chemistry WebBook), and the
 # second radiation constant [cm K].
@@ -37,19 +21,6 @@ def rigid_rotor_and_oscillators(temperature):
     """Isobaric heat capacity over the gas constant, from spectroscopy alone."""
     half = 0.5 * SECOND_RADIATION * WAVENUMBERS / np.asarray(temperature)[..., None]
     return 3.5 + np.sum((half / np.sinh(half)) ** 2, axis=-1)
-
-
-def test_matches_an_independent_implementation_of_its_references():
-    temperature, viscosity, conductivity, heat_capacity = COOLPROP
-    np.testing.assert_allclose(CO2.viscosity(temperature), viscosity, rtol=1e-5)
-    per_constant = CO2.heat_capacity(temperature) / CO2.specific_gas_constant
-    np.testing.assert_allclose(per_constant, heat_capacity, rtol=1e-5)
-    known = temperature >= 150.0  # below, the published fit of the conductivity has no data
-    np.testing.assert_allclose(CO2.conductivity(temperature[known]), conductivity[known], rtol=1e-5)
-    np.testing.assert_allclose(reference_viscosity(temperature), viscosity, rtol=1e-9)
-    np.testing.assert_allclose(
-        reference_conductivity(temperature)[known], conductivity[known], rtol=1e-9
-    )
 
 
 def test_ratio_of_heat_capacities_is_that_of_the_molecules_vibrations():
@@ -69,8 +40,8 @@ def test_conductivity_of_cold_gas_keeps_the_eucken_factor():
     )
     np.testing.assert_allclose(eucken[:4], eucken[3], rtol=1e-12)
     assert eucken[4] == pytest.approx(eucken[3], rel=0.013)
-    # the published fit, which turns up below its data: 3.5 % too large at 110 K
-    assert COOLPROP[2, 0] / reference_conductivity(110.0) > 1.03
+    # the published fit, which turns up below its data, by CoolProp
+    assert 5.4294684345e-03 / reference_conductivity(110.0) > 1.03
 
 
 def test_followed_formulas_and_their_gentle_continuation():
@@ -80,11 +51,6 @@ def test_followed_formulas_and_their_gentle_continuation():
     )
     assert CO2.conductivity(25.0) == pytest.approx(0.5 * CO2.conductivity(100.0), rel=1e-12)
     assert CO2.viscosity(4400.0) == pytest.approx(2.0 * CO2.viscosity(1100.0), rel=1e-12)
-    with lf.float64():
-        slope = grad(lambda kelvin: CO2.conductivity(kelvin))(180.0)
-    assert slope == pytest.approx(
-        (reference_conductivity(180.1) - reference_conductivity(179.9)) / 0.2, rel=1e-4
-    )
 
 
 def test_temperatures_beyond_the_correlations_are_said():
@@ -94,12 +60,13 @@ def test_temperatures_beyond_the_correlations_are_said():
     assert "above 1.1e+03" in hot
 
 
-def test_what_walls_exchange_is_said_where_the_gas_is():
-    assert any(
-        "exchange all of the vibration" in text for text in lf.Chamber(gas=CO2).assumptions()
-    )
-    assert any("exchange none" in text for text in lf.Chamber(gas=FROZEN).assumptions())
-    assert not any("vibration" in text for text in lf.Chamber().assumptions())
+@pytest.mark.parametrize(
+    ("gas", "said"),
+    [(CO2, "exchange all of the vibration"), (FROZEN, "exchange none"), (lf.gas.AIR, None)],
+)
+def test_what_walls_exchange_is_said_where_the_gas_is(gas, said):
+    text = " ".join(lf.Chamber(gas=gas).assumptions())
+    assert said in text if said else "vibration" not in text
 
 
 def test_no_law_takes_a_single_ratio_of_heat_capacities():
@@ -109,14 +76,10 @@ def test_no_law_takes_a_single_ratio_of_heat_capacities():
     assert lf.gas.AIR.heat_capacity_ratio_at(200.0) == lf.gas.AIR.heat_capacity_ratio
 
 
-def film():
-    return lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-
-
-def test_free_molecular_heat_is_the_energy_that_molecules_carry():
+def test_free_molecular_heat_is_the_energy_that_molecules_carry(disk):
     """Flux of molecules times (2 kT of translation along, and internal energy), in and out."""
     cold, hot, pressure = 140.0, 260.0, 1e-4
-    disk = lf.Disk(film(), radius=0.01)
+
     environment = lf.Chamber(temperature=cold, gas=CO2)
     excess = hot / cold - 1.0
     (found,) = lf.FreeMolecular().heat_loss(disk, environment.state(pressure), (excess,))
@@ -127,9 +90,9 @@ def test_free_molecular_heat_is_the_energy_that_molecules_carry():
     assert found == pytest.approx(0.85 * 2.0 * disk.area * mass_flux * energy, rel=3.5e-3)
 
 
-def test_models_that_do_not_hold_for_carbon_dioxide_refuse_it_by_name():
+def test_models_that_do_not_hold_for_carbon_dioxide_refuse_it_by_name(disk):
     state = lf.Chamber(temperature=200.0, gas=CO2).state(1.0)
-    disk = lf.Disk(film(), radius=0.01)
+
     with pytest.raises(lf.ParameterError, match="Kinetic is not for co2, whose molecules are poly"):
         lf.lift(disk, state, lf.Kinetic())
     assert lf.lift(disk, state, lf.Lu2023()) > 0.0

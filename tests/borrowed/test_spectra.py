@@ -38,55 +38,43 @@ HEAD = """\
 """
 
 
-def jcamp(first, last, count, table):
-    found = read("case.dx", HEAD.format(first=first, last=last, count=count, table=table))
-    return found.wavenumber / 100.0, 100.0 * found.value
+LINES, PAIRS = "##XYDATA=(X++(Y..Y))\n", "##XYPOINTS=(XY..XY)\n"
 
 
-def test_a_check_of_the_last_ordinate_is_no_point():
-    """https://github.com/nzhagen/jcamp/pull/37
-
-    Lines of differences repeat the last ordinate. A0 is 10, J5 adds 15, K0 adds 20, H0 is 80.
-    """
-    table = "##XYDATA=(X++(Y..Y))\n1000A0J5J5K0K0\n1004H0J0j0"
-    wavenumber, percent = jcamp(1000, 1006, 7, table)
-    assert wavenumber == pytest.approx(np.arange(1000, 1007))
-    assert percent == pytest.approx([1.0, 2.5, 4.0, 6.0, 8.0, 9.0, 8.0])
-
-
-def test_places_follow_from_the_ends_not_from_rounded_lines():
-    """https://github.com/nzhagen/jcamp/issues/41: the lines' own places are rounded."""
-    table = "##XYDATA=(X++(Y..Y))\n1000 100 200 300\n1010 400 500"
-    wavenumber, percent = jcamp(1000, 1013.2, 5, table)
-    assert wavenumber == pytest.approx(1000 + 3.3 * np.arange(5))
-    assert percent == pytest.approx([10, 20, 30, 40, 50])
-
-
-def test_repeats_count_the_value_itself():
-    """https://github.com/nzhagen/jcamp/pull/36: J0T is twice a difference of 10."""
-    _, percent = jcamp(1000, 1002, 3, "##XYDATA=(X++(Y..Y))\n1000A0J0T")
-    assert percent == pytest.approx([1.0, 2.0, 3.0])
-
-
-def test_zeros_in_packed_form():
-    """https://github.com/nzhagen/jcamp/issues/13: @ is 0, %T twice a difference of 0."""
-    _, percent = jcamp(1000, 1003, 4, "##XYDATA=(X++(Y..Y))\n1000@%TK5")
-    assert percent == pytest.approx([0.0, 0.0, 0.0, 2.5])
-
-
-def test_an_ordinate_without_a_value_is_left_out():
-    """https://github.com/nzhagen/jcamp/issues/46"""
-    wavenumber, percent = jcamp(1000, 1003, 4, "##XYDATA=(X++(Y..Y))\n1000 100 ? 300 400")
-    assert wavenumber == pytest.approx([1000, 1002, 1003])
-    assert percent == pytest.approx([10, 30, 40])
-
-
-def test_pairs_have_factors_too():
-    """https://github.com/ComPlat/chem-spectra-app/issues/242"""
-    table = "##XYPOINTS=(XY..XY)\n1000, 855; 1003, 745; 1010, 410"
-    wavenumber, percent = jcamp(1000, 1010, 3, table)
-    assert wavenumber == pytest.approx([1000, 1003, 1010])
-    assert percent == pytest.approx([85.5, 74.5, 41.0])
+@pytest.mark.parametrize(
+    ("table", "last", "count", "places", "percent"),
+    [
+        # https://github.com/nzhagen/jcamp/pull/37: lines of differences repeat the last ordinate,
+        # which is no point. A0 is 10, J5 adds 15, K0 adds 20, H0 is 80
+        (
+            LINES + "1000A0J5J5K0K0\n1004H0J0j0",
+            1006,
+            7,
+            np.arange(1000, 1007),
+            [10, 25, 40, 60, 80, 90, 80],
+        ),
+        # https://github.com/nzhagen/jcamp/issues/41: the lines' own places are rounded
+        (
+            LINES + "1000 100 200 300\n1010 400 500",
+            1013.2,
+            5,
+            1000 + 3.3 * np.arange(5),
+            [100, 200, 300, 400, 500],
+        ),
+        # https://github.com/nzhagen/jcamp/pull/36: J0T is twice a difference of 10
+        (LINES + "1000A0J0T", 1002, 3, [1000, 1001, 1002], [10, 20, 30]),
+        # https://github.com/nzhagen/jcamp/issues/13: @ is 0, %T twice a difference of 0
+        (LINES + "1000@%TK5", 1003, 4, [1000, 1001, 1002, 1003], [0, 0, 0, 25]),
+        # https://github.com/nzhagen/jcamp/issues/46: an ordinate without a value is left out
+        (LINES + "1000 100 ? 300 400", 1003, 4, [1000, 1002, 1003], [100, 300, 400]),
+        # https://github.com/ComPlat/chem-spectra-app/issues/242: pairs have factors too
+        (PAIRS + "1000, 855; 1003, 745; 1010, 410", 1010, 3, [1000, 1003, 1010], [855, 745, 410]),
+    ],
+)
+def test_ordinates_of_jcamp(table, last, count, places, percent):
+    found = read("case.dx", HEAD.format(first=1000, last=last, count=count, table=table))
+    assert found.wavenumber / 100.0 == pytest.approx(np.asarray(places))
+    assert 1e3 * found.value == pytest.approx(np.asarray(percent))  # YFACTOR=0.1
 
 
 WAVES = np.array([1000.0, 1010.0, 1030.0, 1035.0], "<f4")
@@ -114,12 +102,18 @@ def test_floats_whose_spectrum_states_no_exponent():
     assert found.value == pytest.approx(SHARES)
 
 
-def test_each_spectrum_has_abscissae_of_its_own():
-    """https://github.com/spectrochempy/spectrochempy/issues/1151"""
-    places = [WAVES, WAVES + np.float32(500.0)]
-    content = spc(0x04 | 0x40 | 0x80, [SHARES, SHARES / 2], own_x=places)
-    found = read("case.spc", content, spectrum="2")
-    assert found.wavenumber / 100.0 == pytest.approx(places[1])
+@pytest.mark.parametrize(
+    ("flags", "places"),
+    [
+        # https://github.com/spectrochempy/spectrochempy/issues/1151: abscissae of its own
+        (0x04 | 0x40 | 0x80, {"own_x": [WAVES, WAVES + np.float32(500.0)]}),
+        # https://github.com/spectrochempy/spectrochempy/pull/1544: shared; the second had none
+        (0x04 | 0x80, {"common_x": WAVES}),
+    ],
+)
+def test_a_second_spectrum_has_its_abscissae(flags, places):
+    found = read("case.spc", spc(flags, [SHARES, SHARES / 2], **places), spectrum="2")
+    assert found.wavenumber / 100.0 == pytest.approx(WAVES + (500.0 if "own_x" in places else 0.0))
     assert found.value == pytest.approx(SHARES / 2)
 
 
@@ -136,21 +130,11 @@ def test_abscissae_have_no_exponent(bits, flag):
     assert found.value == pytest.approx(SHARES, rel=1e-3 if flag else 1e-6)
 
 
-def test_spectra_share_their_abscissae():
-    """https://github.com/spectrochempy/spectrochempy/pull/1544: the second had none."""
-    content = spc(0x04 | 0x80, [SHARES, SHARES / 2], common_x=WAVES)
-    found = read("case.spc", content, spectrum="2")
-    assert found.wavenumber / 100.0 == pytest.approx(WAVES)
-    assert found.value == pytest.approx(SHARES / 2)
-
-
 @pytest.mark.parametrize("turned", [1, -1])
-def test_an_order_of_wavenumbers_does_not_matter(tmp_path, turned):
+def test_an_order_of_wavenumbers_does_not_matter(write, turned):
     """https://github.com/spectrochempy/spectrochempy/issues/858: values stood the other way."""
-    rows = [f"{x:.1f},{100 * y:.3f}" for x, y in zip(WAVES, SHARES, strict=True)][::turned]
-    path = tmp_path / "case.csv"
-    path.write_text("wavenumber [cm^-1],T [%]\n" + "\n".join(rows) + "\n", encoding="utf-8")
-    found = read_spectrum(path)
+    rows = [f"{x:.1f},{100 * y:.3f}\n" for x, y in zip(WAVES, SHARES, strict=True)][::turned]
+    found = read_spectrum(write("wavenumber [cm^-1],T [%]\n" + "".join(rows)))
     order = np.argsort(found.wavenumber)
     assert found.wavenumber[order] / 100.0 == pytest.approx(WAVES)
     assert found.value[order] == pytest.approx(SHARES)
@@ -159,37 +143,20 @@ def test_an_order_of_wavenumbers_does_not_matter(tmp_path, turned):
 CURRENT = (Column("current", Quantity("A"), required=True), Column("time", Quantity("s")))
 
 
-def currents(folder, text):
-    path = folder / "log.csv"
-    path.write_text(text, encoding="utf-8")
-    return read_table(path, CURRENT).numbers["current"]
-
-
-def test_points_between_thousands_beside_decimal_commas(tmp_path):
-    """https://github.com/pandas-dev/pandas/issues/59299"""
-    found = currents(tmp_path, "name;current [A]\na;1,20\nb;22,3\nc;1.234,56\n")
-    assert found == pytest.approx([1.2, 22.3, 1234.56])
-
-
-def test_thousands_are_told_by_the_file_not_by_its_first_rows(tmp_path):
-    """https://github.com/pola-rs/polars/issues/18797"""
-    found = currents(tmp_path, "name;current [A]\na;1.299,99\nb;1.299,5\nc;12,25\n")
-    assert found == pytest.approx([1299.99, 1299.5, 12.25])
-
-
-def test_three_decimals_are_no_thousands(tmp_path):
-    """https://github.com/Rello/analytics/issues/357: 0.673 became 673."""
-    found = currents(tmp_path, "time [s],current [A]\n1,0.619\n2,0.673\n3,0.62\n4,0.598\n")
-    assert found == pytest.approx([0.619, 0.673, 0.62, 0.598])
-
-
-def test_decimal_commas_are_not_cut(tmp_path):
-    """https://github.com/umap-project/umap/issues/44"""
-    found = currents(tmp_path, "time [s];current [A]\n1;48,85\n2;2,35\n")
-    assert found == pytest.approx([48.85, 2.35])
-
-
-def test_a_point_between_thousands_is_no_decimal_point(tmp_path):
-    """https://github.com/deadlocker8/BudgetMaster/issues/731: 1.355,90 became 1.35."""
-    found = currents(tmp_path, "name;current [A]\na;1.355,90\nb;12,10\n")
-    assert found == pytest.approx([1355.9, 12.1])
+@pytest.mark.parametrize(
+    ("text", "amperes"),
+    [
+        # https://github.com/pandas-dev/pandas/issues/59299
+        ("name;current [A]\na;1,20\nb;22,3\nc;1.234,56\n", [1.2, 22.3, 1234.56]),
+        # https://github.com/pola-rs/polars/issues/18797: by the file, not by its first rows
+        ("name;current [A]\na;1.299,99\nb;1.299,5\nc;12,25\n", [1299.99, 1299.5, 12.25]),
+        # https://github.com/Rello/analytics/issues/357: 0.673 became 673
+        ("time [s],current [A]\n1,0.619\n2,0.673\n3,0.62\n4,0.598\n", [0.619, 0.673, 0.62, 0.598]),
+        # https://github.com/umap-project/umap/issues/44
+        ("time [s];current [A]\n1;48,85\n2;2,35\n", [48.85, 2.35]),
+        # https://github.com/deadlocker8/BudgetMaster/issues/731: 1.355,90 became 1.35
+        ("name;current [A]\na;1.355,90\nb;12,10\n", [1355.9, 12.1]),
+    ],
+)
+def test_marks_of_decimals_and_thousands(write, text, amperes):
+    assert read_table(write(text), CURRENT).numbers["current"] == pytest.approx(amperes)

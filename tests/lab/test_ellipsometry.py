@@ -1,11 +1,14 @@
-"""Ψ and Δ: the stack by tmm, in the convention of instruments, and fits of them."""
+"""Ψ and Δ: the stack by tmm, in the conventions of instruments, and fits of them."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import lightflyer as lf
+from lightflyer.config.update import require_no_doubt
+from lightflyer.core.errors import Doubt
 from lightflyer.film.optics.transfer_matrix import Structure, ellipsometric_angles
 from lightflyer.lab.optics.data import FilmSpectrum, read_sample
 from lightflyer.lab.optics.fit import fit_optics
@@ -54,18 +57,41 @@ def test_oxide_on_silicon_lowers_delta_from_180_degrees():
     assert np.diff(delta) == pytest.approx([-2.9, -2.9], abs=0.1)
 
 
-def write_sample(folder, rng, noise=0.05, header="wavelength [nm],psi [deg],delta [deg],aoi [deg]"):
-    """A polymer's film on glass, by tmm, with noise of Ψ and Δ [deg]."""
+def whole(delta):
+    return delta % 360.0
+
+
+def folded(delta):
+    return np.degrees(np.arccos(np.cos(np.radians(delta))))
+
+
+def turned(delta):
+    return -delta % 360.0
+
+
+HEADER = "wavelength [nm],psi [deg],delta [deg],aoi [deg]"
+
+
+def write(folder, sample, film, below, thickness, angles, wavelengths, noise=lambda: 0.0,
+          shown=whole, header=HEADER):  # fmt: skip
+    """A sample file, and Ψ and Δ by tmm; ``shown``: what the instrument makes of Δ [deg]."""
     lines = [header]
-    for angle in (60.0, 70.0):
-        for wavelength in np.arange(400.0, 900.0, 10.0):
-            micrometres = 1e-3 * wavelength
-            film, glass = A + 0.25 + B / micrometres**2, SILICA[0] + SILICA[1] / micrometres**2
-            pair = angles_by_tmm([film], [THICKNESS], glass, np.radians(angle), 1e-9 * wavelength)
-            psi, delta = np.degrees(pair) + noise * rng.normal(size=2)
-            lines.append(f"{wavelength},{psi:.4f},{delta % 360.0:.4f},{angle}")
+    for angle, wavelength in itertools.product(angles, wavelengths):
+        index, base = film(1e-3 * wavelength), below(1e-3 * wavelength)
+        pair = angles_by_tmm([index], [thickness], base, np.radians(angle), 1e-9 * wavelength)
+        psi, delta = np.degrees(pair) + noise()
+        lines.append(f"{wavelength},{psi:.5f},{shown(delta):.5f},{angle}")
     (folder / "psi-delta.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    (folder / "sample.toml").write_text(SAMPLE, encoding="utf-8")
+    (folder / "sample.toml").write_text(sample, encoding="utf-8")
+
+
+def write_sample(folder, rng, noise=0.05, header=HEADER):
+    """A polymer's film on glass, with noise of Ψ and Δ [deg]."""
+    write(
+        folder, SAMPLE, lambda um: A + 0.25 + B / um**2, lambda um: SILICA[0] + SILICA[1] / um**2,
+        THICKNESS, (60.0, 70.0), np.arange(400.0, 900.0, 10.0), lambda: noise * rng.normal(size=2),
+        header=header,
+    )  # fmt: skip
 
 
 SAMPLE = """\
@@ -183,3 +209,75 @@ def test_polarisations_of_reflected_light(tmp_path, rng):
         for kind in "sp"
     )
     assert shares.reshape(3, -1)[:, 7].tolist() == pytest.approx([s, p, 0.5 * (s + p)], rel=1e-9)
+
+
+OXIDE = """\
+free = [ {{number = "layers.0.thickness", lowest = "20 nm", highest = "200 nm"}} ]
+
+[[ellipsometry]]
+file = "psi-delta.csv"
+delta = "{delta}"
+
+[film]
+substrate = {{dispersion = {{cauchy = {{a = 3.9}}}}}}
+layers = [ {{dispersion = {{cauchy = {{a = 1.47, b = "0.00495 um^2"}}}}, thickness = "90 nm"}} ]
+"""
+
+
+def oxide(folder, shown, delta="full"):
+    """An oxide's film at 55°, on what silicon is in red light."""
+    write(
+        folder, OXIDE.format(delta=delta), lambda um: 1.47 + 0.00495 / um**2, lambda _: 3.9, 100e-9,
+        (55.0,), np.arange(300.0, 801.0, 50.0), shown=shown,
+    )  # fmt: skip
+    return read_sample(folder / "sample.toml")
+
+
+@pytest.mark.parametrize(
+    ("shown", "remedy"), [(whole, None), (folded, "folded"), (turned, "reversed")]
+)
+def test_a_convention_of_delta_is_told_and_its_remedy_helps(tmp_path, shown, remedy):
+    """Eleven points: their residuals are as rough as noise, whatever the film.
+
+    https://github.com/PyEllips/pyElli/issues/123, as a file that does not say that it is folded.
+    """
+    found = fit_optics(oxide(tmp_path, shown), starts=2)
+    doubts = [one for one in found.warnings if isinstance(one, Doubt)]
+    if remedy is None:
+        assert not doubts
+    else:
+        assert f'delta = "{remedy}"' in doubts[0]
+        with pytest.raises(lf.ConfigurationError, match="--insist writes it all the same"):
+            require_no_doubt(tmp_path / "flyer.toml", found.warnings, insist=False)
+        found = fit_optics(oxide(tmp_path, shown, remedy), starts=2)
+        assert not [one for one in found.warnings if isinstance(one, Doubt)]
+    estimate = found.numbers["layers.0.thickness"]
+    assert estimate.value == pytest.approx(100e-9, rel=2e-3)
+
+
+def test_residuals_far_above_the_accuracy_are_in_doubt_whatever_their_number(tmp_path):
+    """A film of another index, where no convention of Δ helps."""
+    oxide(tmp_path, whole)
+    text = OXIDE.format(delta="full").replace("a = 1.47", "a = 2.4")
+    (tmp_path / "sample.toml").write_text(text, encoding="utf-8")
+    sample = read_sample(tmp_path / "sample.toml")
+    found = fit_optics(sample, starts=2)
+    doubts = [one for one in found.warnings if isinstance(one, Doubt)]
+    assert doubts
+    assert all("where an accuracy of" in one and "delta =" not in one for one in doubts)
+
+
+def test_angles_without_units_are_degrees_unless_they_look_like_radians(tmp_path):
+    oxide(tmp_path, whole)
+    path, numbers = tmp_path / "psi-delta.csv", read_sample(tmp_path / "sample.toml").spectra
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace(" [deg]", ""), encoding="utf-8")
+    for one, other in zip(read_sample(tmp_path / "sample.toml").spectra, numbers, strict=True):
+        assert one.spectrum.value == pytest.approx(other.spectrum.value)
+    rows = [line.split(",") for line in text.splitlines()[1:]]
+    lines = [
+        f"{a},{np.radians(float(b)):.6f},{np.radians(float(c)):.6f},{d}" for a, b, c, d in rows
+    ]
+    path.write_text("\n".join(["nm,Psi,Delta,aoi", *lines]) + "\n", encoding="utf-8")
+    with pytest.raises(lf.ConfigurationError, match="looks like radians"):
+        read_sample(tmp_path / "sample.toml")

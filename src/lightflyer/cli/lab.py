@@ -250,10 +250,7 @@ def example_command(name: str, /, *, out: Path = Path("."), seed: Seed = 0) -> N
     files = example_files(name, seed)
     with output_directory(out) as stage:
         for file, content in files.files.items():
-            if isinstance(content, bytes):
-                stage(file).write_bytes(content)
-            else:
-                stage(file).write_text(content, encoding="utf-8")
+            stage(file).write_bytes(content if isinstance(content, bytes) else content.encode())
     console = printer()
     for file in files.files:
         console.print(f"wrote {out / file}", soft_wrap=True)

@@ -145,12 +145,9 @@ def interpret_spectrum(source: Source, raw: RawSpectrum, options: ReadOptions) -
         source.refuse(f"shows {shown.quantity}, not {options.quantity}")
     wavenumber, ordinate = _points(source, raw, notes)
     absorbance = shown.quantity == "absorbance"
-    quantity: Ordinate = options.quantity or "transmittance"
-    if shown.quantity == "transmittance":
-        quantity = "transmittance"
-    elif shown.quantity in ("reflectance", "log(1/R)"):
-        quantity = "reflectance"
-    elif absorbance and options.quantity is None:
+    mirror = shown.quantity in ("reflectance", "log(1/R)")
+    quantity = options.quantity or ("reflectance" if mirror else "transmittance")
+    if absorbance and options.quantity is None:
         notes.append("absorbance is taken as log10(1/T), of transmittance")
     elif absorbance and quantity == "reflectance":
         notes.append("absorbance is taken as log10(1/R): it is said to be of reflectance")

@@ -1,11 +1,13 @@
-"""Public reports of height maps and thermal images: inputs of our own, values by hand."""
+"""Public reports of height maps and thermal images: inputs of our own, values by hand.
+
+Tests of `lab` have the cases of https://github.com/AFM-SPM/TopoStats/issues/862 and pull/779.
+"""
 
 import numpy as np
 import pytest
 
-from lightflyer.lab.readers.height_map import HeightMap, read_height_map
+from lightflyer.lab.readers.height_map import read_height_map
 from lightflyer.lab.surface.heights import level
-from lightflyer.lab.surface.reduction import roughness
 from lightflyer.lab.thermography.thermal_image import parse_scale, read_thermal_image
 
 SIDE = 64
@@ -27,18 +29,6 @@ def test_a_background_of_an_order_vanishes(background, order):
     assert np.abs(below).max() > 1e-9
 
 
-def test_roughness_of_the_background_alone():
-    """https://github.com/AFM-SPM/TopoStats/issues/862: without grains, Sq of 2 nm."""
-    rng = np.random.default_rng(3)
-    surface = 2e-9 * rng.normal(size=(256, 256))
-    grains = surface.copy()
-    for row, column in rng.integers(20, 236, (8, 2)):
-        grains[row - 6 : row + 6, column - 6 : column + 6] += 60e-9
-    found = roughness(HeightMap("map", grains, 1e-5, 1e-5), height_accuracy=0.0)
-    assert found.parameters["rms_height"].value == pytest.approx(2.0, rel=0.03)
-    assert found.parameters_all["rms_height"].value > 6.0
-
-
 def write(folder, text):
     path = folder / "map.txt"
     path.write_text(text, encoding="utf-8")
@@ -47,16 +37,6 @@ def write(folder, text):
 
 def matrix(values):
     return "\n".join("\t".join(f"{one:.9g}" for one in row) for row in values) + "\n"
-
-
-def test_rows_are_rows_in_a_map_that_is_not_square(tmp_path):
-    """https://github.com/AFM-SPM/TopoStats/pull/779: x and y were exchanged."""
-    heights = np.random.default_rng(1).normal(size=(20, 50))
-    head = "# Channel: z\n# Width: 5 µm\n# Height: 2 µm\n# Value units: nm\n"
-    found = read_height_map(write(tmp_path, head + matrix(heights)))
-    assert found.height.shape == (20, 50)
-    assert (found.width, found.length) == pytest.approx((5e-6, 2e-6))
-    assert found.height[3, 40] == pytest.approx(1e-9 * heights[3, 40], rel=1e-6)
 
 
 @pytest.mark.parametrize(("unit", "metres"), [("um", 1e-6), ("µm", 1e-6), ("nm", 1e-9), ("m", 1.0)])

@@ -1,4 +1,8 @@
-"""Public reports of thin-film optics and ellipsometry: closed formulas are the right values."""
+"""Public reports of thin-film optics and ellipsometry: closed formulas are the right values.
+
+Tests of `film` have the cases of https://github.com/bahremsd/tmmax/issues/19,
+https://github.com/kitchenknif/PyTMM/issues/1 and https://github.com/franko/regress-pro/issues/5.
+"""
 
 from types import SimpleNamespace
 
@@ -88,38 +92,6 @@ def test_a_mirror_of_quarter_waves(tmp_path):
     found = optics(tmp_path, f"layers = [{layers}]", wavelength)
     s = (high / low) ** (2 * pairs)
     assert found.r[0] == pytest.approx(((1.0 - s) / (1.0 + s)) ** 2, rel=1e-7)
-
-
-def airy_aslant(index, thickness, wavelength, angle):
-    """Reflectance and transmittance of a layer in air for s and p, shape (2,)."""
-    cosine = np.cos(angle), np.sqrt(1.0 - (np.sin(angle) / index) ** 2 + 0j)
-    phase = np.exp(2j * np.pi * index * thickness * cosine[1] / wavelength)
-    first = np.array([
-        fresnel(cosine[0], index * cosine[1]), fresnel(index * cosine[0], cosine[1])
-    ])  # fmt: skip
-    first[1] *= -1.0
-    bottom = 1.0 - first**2 * phase**2
-    r, t = first * (1.0 - phase**2) / bottom, (1.0 - first**2) * phase / bottom
-    return abs(r) ** 2, abs(t) ** 2
-
-
-@pytest.mark.parametrize(
-    ("index", "nanometres", "angle", "wavelength"),
-    [
-        # https://github.com/bahremsd/tmmax/issues/19: 100 nm of SiO2 from 0 to 70°, s and p
-        *((1.46 + 0j, 100, angle, 0.6e-6) for angle in (0.0, 30.0, 55.0, 70.0)),
-        # https://github.com/kitchenknif/PyTMM/issues/1: 272 nm that absorb, over 100 % came out
-        *((4.3 + 0.6j, 272, 0.0, wavelength) for wavelength in (0.4e-6, 0.55e-6, 0.8e-6)),
-    ],
-)
-def test_a_layer_in_air_at_any_angle(tmp_path, index, nanometres, angle, wavelength):
-    layer = table(tmp_path, "layer", index)
-    body = f'layers = [{{{layer}, thickness = "{nanometres} nm"}}]'
-    found = optics(tmp_path, body, wavelength, np.radians(angle))
-    r, t = airy_aslant(index, 1e-9 * nanometres, wavelength, np.radians(angle))
-    assert found.r[:, 0] == pytest.approx(r, rel=1e-6, abs=1e-12)
-    assert found.t[:, 0] == pytest.approx(t, rel=1e-6)
-    assert index.imag == 0.0 or np.all(found.r + found.t < 1.0)
 
 
 def test_a_metal_below_reflects_no_more_than_all(tmp_path):

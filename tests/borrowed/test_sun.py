@@ -1,6 +1,11 @@
-"""Public reports of the sun's place: values of others' programs, or a formula of its own."""
+"""Public reports of the sun's place: values of others' programs, or a formula of its own.
 
-import datetime
+`environment/test_sun.py` has the cases of https://github.com/millerlp/Solarlib/issues/1,
+https://github.com/mourner/suncalc/issues/49 and 70,
+https://github.com/cpucycle/astrotime/issues/1 and https://github.com/janrg/MeeusSunMoon/issues/25;
+`core/test_clock.py` those of https://github.com/pvlib/pvlib-python/issues/1932, 1948, 1958, 2667,
+https://github.com/mourner/suncalc/issues/107 and https://github.com/kylebarron/suncalc-py/issues/14.
+"""
 
 import numpy as np
 import pandas as pd
@@ -54,38 +59,6 @@ def test_published_places(time, north, east, elevation, azimuth):
     assert found == pytest.approx(np.ravel(by_hand([pd.Timestamp(time)], north, east)), abs=0.03)
 
 
-@pytest.mark.parametrize(
-    ("start", "north", "east"),
-    [
-        # https://github.com/millerlp/Solarlib/issues/1: -64° for an hour after sunrise
-        ("2012-11-04T00:00Z", 36.62, -121.9),
-        # https://github.com/mourner/suncalc/issues/49: near and south of the equator
-        ("2015-06-23T00:00Z", 0.233, -78.517),
-        ("2015-06-23T00:00Z", -33.868, 151.206),
-        # https://github.com/cpucycle/astrotime/issues/1: longitudes to the east are positive
-        ("2012-10-01T00:00Z", 38.9, -77.0),
-        # https://github.com/janrg/MeeusSunMoon/issues/25: east of 90° E
-        ("2020-12-18T00:00Z", -36.85, 174.76),
-    ],
-)
-def test_a_day(start, north, east):
-    times = pd.date_range(start, periods=289, freq="5min")
-    found, expected = sun_at(times, north, east), by_hand(times, north, east)
-    assert np.abs(found[0] - expected[0]).max() < 0.03
-    away = np.abs((found[1] - expected[1] + 180.0) % 360.0 - 180.0)
-    assert (away * np.cos(np.radians(found[0]))).max() < 0.03
-    assert np.abs(np.diff(found[0])).max() < 1.3  # 5 minutes turn the Earth by 1.25°
-
-
-def test_polar_night_has_no_day():
-    """https://github.com/mourner/suncalc/issues/70: at 89.5° N a night began and ended."""
-    times = pd.date_range("2016-01-31T00:00Z", periods=145, freq="10min")
-    elevation, _ = sun_at(times, 89.5, 21.0)
-    declination, _ = by_hand(times, 90.0, 0.0)
-    assert np.abs(elevation - declination).max() == pytest.approx(0.5, abs=0.02)
-    assert elevation.max() < -16.0
-
-
 def test_the_pole_has_the_declination():
     """https://github.com/jpb10/SolarCalculator/issues/23: 23:53:46 UTC on 22 March 2023."""
     moment = "2023-03-22T23:53:46Z"
@@ -94,45 +67,11 @@ def test_the_pole_has_the_declination():
     assert sun_at(moment, -90.0, 0.0)[0] == pytest.approx(expected, abs=0.02)
 
 
-def test_a_day_of_another_zone_is_the_same_day():
-    """https://github.com/mourner/suncalc/issues/107, and 149: one minute made it yesterday."""
-    local = sun_at("2020-10-09T12:41+03:00", 56.0, 35.0)
-    assert local == pytest.approx(sun_at("2020-10-09T09:41Z", 56.0, 35.0), abs=1e-12)
-    before, after = (sun_at(f"2020-10-09T00:{one}+03:00", 56.0, 35.0)[0] for one in ("41", "42"))
-    assert abs(after - before) < 0.25
-
-
 def test_no_jump_within_seconds():
     """https://github.com/cosinekitty/astronomy/issues/23: +6.75° for a second in 1750."""
     times = pd.date_range("1750-11-21T00:46:00Z", periods=20, freq="s", unit="s")
     elevation, _ = sun_at(times, 15.0, 75.0)
     assert np.abs(np.diff(elevation)).max() < 0.005
-
-
-DATES = ["2026-06-21T12:00", "2026-06-21T18:00", "2026-06-22T00:00"]
-
-
-@pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
-def test_a_unit_of_dates_does_not_matter(unit):
-    """https://github.com/pvlib/pvlib-python/issues/1932, 1958 and 2667"""
-    one_by_one = [sun_at(date, 45.0, 10.0)[0] for date in DATES]
-    for dates in (pd.DatetimeIndex(DATES).as_unit(unit), np.array(DATES, f"datetime64[{unit}]")):
-        assert sun_at(dates, 45.0, 10.0)[0] == pytest.approx(one_by_one, abs=1e-9)
-
-
-def test_a_column_of_dates_is_its_dates():
-    """https://github.com/kylebarron/suncalc-py/issues/14: a column was shifted by an hour."""
-    hours = [datetime.datetime(2023, 11, 3, hour) for hour in range(8, 18)]
-    column = pd.DataFrame({"date": hours})["date"]
-    expected = [sun_at(one, 46.5, 6.6)[0] for one in hours]
-    assert sun_at(column, 46.5, 6.6)[0] == pytest.approx(expected, abs=1e-9)
-
-
-def test_a_zone_of_dates_counts():
-    """https://github.com/pvlib/pvlib-python/issues/1948: with a zone, in any unit."""
-    index = pd.date_range("2014-09-07", periods=5, freq="h", tz="Europe/Berlin", unit="us")
-    utc = index.tz_convert("UTC").tz_localize(None)
-    assert sun_at(index, 52.5, 13.4)[0] == pytest.approx(sun_at(utc, 52.5, 13.4)[0], abs=1e-9)
 
 
 def test_latitude_and_longitude_exchanged():

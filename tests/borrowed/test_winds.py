@@ -1,4 +1,11 @@
-"""Public reports of weather files and winds: fields in closed form, on small grids."""
+"""Public reports of weather files and winds: fields in closed form, on small grids.
+
+`environment/test_gridded_wind.py` has the cases of
+https://github.com/RocketPy-Team/RocketPy/issues/24 and 19,
+https://github.com/jonsowman/cusf-standalone-predictor/issues/77,
+https://github.com/nextsimhub/nextsimdg/issues/888 and
+https://github.com/dbekaert/RAiDER/issues/806.
+"""
 
 import numpy as np
 import pytest
@@ -30,33 +37,7 @@ def wind_at(wind, north, east, altitude=50e3):
     return np.array([np.asarray(found.east), np.asarray(found.north)])
 
 
-def waves(altitude, north, east):
-    """Smooth and the same at both sides of every meridian."""
-    away = np.cos(np.radians(north))
-    return away * (20.0 + 10.0 * np.cos(np.radians(east))), away * 8.0 * np.sin(np.radians(east))
-
-
-POSITIVE, SIGNED = np.arange(0.0, 360.0, 5.0), np.arange(-180.0, 180.0, 5.0)
-
-
-@pytest.mark.parametrize("east", [POSITIVE, SIGNED])
-@pytest.mark.parametrize("place", [-106.97, 253.03, -0.3, 359.7, 179.9, -180.0])
-def test_longitudes_have_either_sign(east, place):
-    """https://github.com/RocketPy-Team/RocketPy/issues/24: files of negative longitudes.
-
-    https://github.com/jonsowman/cusf-standalone-predictor/issues/77: launches at such.
-    """
-    found = wind_at(GriddedWind(weather(waves, east)), 33.0, place)
-    assert found == pytest.approx(np.array(waves(50.0, 33.0, place)), rel=2e-4, abs=2e-3)
-
-
-def test_no_seam_at_the_prime_meridian():
-    """https://github.com/nextsimhub/nextsimdg/issues/888: winds were disturbed along it."""
-    wind = GriddedWind(weather(waves, POSITIVE))
-    places = np.linspace(-6.0, 6.0, 25)
-    found = wind_at(wind, np.full(25, 60.0), places)
-    assert found == pytest.approx(np.array(waves(50.0, 60.0, places)), rel=2e-4, abs=2e-3)
-    assert np.abs(np.diff(found, 2)).max() < 1e-3
+POSITIVE = np.arange(0.0, 360.0, 5.0)
 
 
 @pytest.mark.parametrize("pole", [90.0, -90.0])
@@ -77,18 +58,6 @@ def test_a_polar_row_that_is_one_pair_of_numbers(pole):
     found = wind_at(wind, places, np.full(4, 37.0))
     expected = across(0.0, places[2], 37.0)  # the same as far as the pole
     np.testing.assert_allclose(found, np.tile(expected, (4, 1)).T, atol=0.1)
-
-
-def test_latitudes_that_fall():
-    """https://github.com/dbekaert/RAiDER/issues/806, mended by 811: one field was mirrored."""
-
-    def field(altitude, north, east):
-        return north + 0.0 * east, 2.0 * north + altitude + 0.0 * east
-
-    falling = weather(field, POSITIVE).isel(latitude=slice(None, None, -1))
-    for data in (falling, weather(field, POSITIVE)):
-        found = wind_at(GriddedWind(data), 32.0, 140.0, 40e3)
-        assert found == pytest.approx([32.0, 104.0], rel=1e-4)
 
 
 def test_levels_out_of_order():
@@ -115,17 +84,6 @@ def test_winds_are_interpolated_not_their_directions():
     u, v = wind_at(wind, 45.0, 10.0, 50e3)
     assert u == pytest.approx(0.0, abs=1e-6)
     assert v == pytest.approx(-10.0 * np.cos(np.radians(10.0)), rel=1e-6)
-
-
-def test_between_the_grid_it_is_not_the_nearest_value():
-    """https://github.com/RocketPy-Team/RocketPy/issues/19: places were rounded to the next."""
-
-    def plane(altitude, north, east):
-        return 0.5 * north + 0.0 * east, 0.3 * np.abs(east - 180.0) + 0.0 * north
-
-    wind = GriddedWind(weather(plane, POSITIVE))
-    found = wind_at(wind, 31.0, 97.0)
-    assert found == pytest.approx([15.5, 0.3 * 83.0], rel=1e-4)
 
 
 @pytest.mark.parametrize("by", ["altitude", "geopotential"])

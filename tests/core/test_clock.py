@@ -30,6 +30,7 @@ EACH = [seconds_of(text) for text in TEXTS]
         *(INDEX.as_unit(unit) for unit in ("s", "ms", "us", "ns")),
         *(INDEX.to_numpy().astype(f"datetime64[{unit}]") for unit in ("h", "m", "s", "ms", "ns")),
         INDEX.tz_localize("UTC"),
+        INDEX.as_unit("us").tz_localize("UTC").tz_convert("Asia/Tokyo"),
         INDEX.tz_localize("UTC").tz_convert("Europe/Berlin"),
         pd.Series(INDEX),
         pd.Series(INDEX.tz_localize("UTC")),

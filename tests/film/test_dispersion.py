@@ -39,7 +39,7 @@ def kramers_kronig(imaginary, energy, lowest):
 
 @pytest.mark.parametrize("numbers", [(122.0, 3.45, 2.54, 1.2), (80.0, 2.6, 3.2, 0.5)])
 def test_tauc_lorentz_real_part_is_the_transform_of_its_imaginary_part(numbers):
-    """https://github.com/franko/regress-pro/issues/5: the real part was that of a misprint."""
+
     amplitude, centre, broadening, gap = numbers
 
     def imaginary(x):

@@ -14,15 +14,6 @@ def random_stack(rng, layers=4):
     return n, k, 10.0 ** rng.uniform(-9.0, -5.5, layers)
 
 
-def test_all_light_goes_somewhere(rng):
-    for _ in range(100):
-        n, k, d = random_stack(rng)
-        optics = stack_optics(n, k, d, 10 ** rng.uniform(-6.6, -4.6), rng.uniform(0.0, 1.55))
-        total = optics.reflectance + optics.transmittance + optics.absorptance
-        assert np.abs(total - 1.0).max() < 1e-12
-        assert optics.layer_absorptance.min() > -1e-12
-
-
 def test_lossless_layers_absorb_nothing(rng):
     n, _, d = random_stack(rng)
     optics = stack_optics(n, np.zeros(4), d, 6e-7, 0.7)
@@ -37,19 +28,26 @@ def test_nothing_reflects_where_there_is_nothing():
     np.testing.assert_allclose(vacuum.reflectance, 0.0, atol=1e-28)
 
 
+@pytest.mark.parametrize(
+    ("n", "k", "d"), [(1.7, 0.0, 0.83e-6), (1.46, 0.0, 1e-7), (4.3, 0.6, 272e-9)]
+)
 @pytest.mark.parametrize("incidence", [0.0, 0.6, 1.4])
-def test_one_transparent_layer_is_an_etalon(incidence):
+def test_one_layer_is_an_etalon(n, k, d, incidence):
     """Airy's formula, with Fresnel's coefficients written out."""
-    n, d, wavelength = 1.7, 0.83e-6, np.linspace(0.4e-6, 2e-6, 50)
-    inside = np.sqrt(1.0 - (np.sin(incidence) / n) ** 2)
+    index, wavelength = n + 1j * k, np.linspace(0.4e-6, 2e-6, 50)
+    inside = np.sqrt(1.0 - (np.sin(incidence) / index) ** 2)
     outside = np.cos(incidence)
-    s = ((outside - n * inside) / (outside + n * inside)) ** 2
-    p = ((n * outside - inside) / (n * outside + inside)) ** 2
-    finesse = np.array([4.0 * r / (1.0 - r) ** 2 for r in (s, p)])[:, None]
-    phase = 2.0 * np.pi * n * d * inside / wavelength
-    expected = 1.0 / (1.0 + finesse * np.sin(phase) ** 2)
-    optics = stack_optics([[n]], [[0.0]], [[d]], wavelength, incidence)
-    np.testing.assert_allclose(optics.transmittance, expected, rtol=1e-12)
+    s = (outside - index * inside) / (outside + index * inside)
+    p = (index * outside - inside) / (index * outside + inside)
+    first = np.array([s, p])[:, None]
+    phase = np.exp(2j * np.pi * index * d * inside / wavelength)
+    below = 1.0 - first**2 * phase**2
+    optics = stack_optics([[n]], [[k]], [[d]], wavelength, incidence)
+    passed = np.abs((1.0 - first**2) * phase / below) ** 2
+    np.testing.assert_allclose(optics.transmittance, passed, rtol=1e-12)
+    reflected = np.abs(first * (1.0 - phase**2) / below) ** 2
+    np.testing.assert_allclose(optics.reflectance, reflected, rtol=1e-9, atol=1e-13)
+    assert k == 0.0 or np.all(optics.reflectance + optics.transmittance < 1.0)
 
 
 def test_an_opaque_metal_reflects_as_its_surface():
@@ -78,19 +76,6 @@ def test_total_reflection_inside_a_layer():
     np.testing.assert_allclose(thick.reflectance, 1.0, rtol=1e-13)
     thin = stack_optics([0.5], [0.0], [1e-9], 5e-7, 1.2)
     assert np.all(thin.transmittance > 0.9)
-
-
-def test_polarisations_agree_along_the_normal(rng):
-    optics = stack_optics(*random_stack(rng), 7e-7)
-    np.testing.assert_allclose(optics.reflectance[0], optics.reflectance[1], rtol=1e-12)
-
-
-def test_transmittance_is_the_same_from_either_side():
-    n, k, d = np.array([1.5, 4.0, 2.0]), np.array([0.0, 2.0, 0.1]), np.array([9e-8, 2e-8, 3e-7])
-    down = stack_optics(n, k, d, 8e-7, 0.9)
-    up = stack_optics(n[::-1], k[::-1], d[::-1], 8e-7, 0.9)
-    np.testing.assert_allclose(down.transmittance, up.transmittance, rtol=1e-10)
-    assert np.any(np.abs(down.reflectance - up.reflectance) > 1e-3)
 
 
 def flat(name, n, k, density=1000.0):

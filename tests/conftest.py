@@ -20,6 +20,10 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
         "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE",
     )
 
+# Every worker, and every command that a test starts, would compile package and tests again.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the processors
 os.environ.setdefault("LIGHTFLYER_PROGRESS", "off")  # a slow machine would see it anywhere
 

@@ -20,10 +20,6 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
         "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE",
     )
 
-# Every worker, and every command that a test starts, would compile package and tests again.
-sys.dont_write_bytecode = False
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the processors
 os.environ.setdefault("LIGHTFLYER_PROGRESS", "off")  # a slow machine would see it anywhere
 
@@ -35,6 +31,10 @@ import lightflyer as lf
 from lightflyer import cli
 from lightflyer.array import transformations
 from lightflyer.files.result_text import NARROW, unwrap
+
+# Every worker, and every command that a test starts, would compile package and tests again.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 # What one worker traced and compiled serves the others, and the next run; a program is known by its
 # content. A largest size makes JAX lock the folder. Tests of what is kept choose a folder of their

@@ -51,16 +51,10 @@ def test_a_broken_plug_in_is_one_warning_and_its_neighbour_works(plug_ins, monke
 
 
 @pytest.mark.slow
-def test_a_command_says_so_in_one_line_and_goes_on(plug_ins, tmp_path):
-    file = tmp_path / "flyer.toml"
-    file.write_text(
-        '[flyer]\ndiameter = "2 cm"\n'
-        '[film]\nareal_density = "1 g/m^2"\nabsorptance = 0.75\nemittance = 0.08\n'
-        'tac_top = 0.8\ntac_bottom = 0.9\n[environment]\n[force]\nmodel = "lu2023"\n'
-    )
+def test_a_command_says_so_in_one_line_and_goes_on(plug_ins, flyer_file):
     path = os.pathsep.join([str(plug_ins), *filter(None, [os.environ.get("PYTHONPATH")])])
     found = subprocess.run(
-        [sys.executable, "-m", "lightflyer", "predict", str(file), "--json"],
+        [sys.executable, "-m", "lightflyer", "predict", str(flyer_file()), "--json"],
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,

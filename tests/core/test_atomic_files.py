@@ -26,12 +26,6 @@ def test_results_of_another_run_are_named(tmp_path):
     }  # fmt: skip
 
 
-def test_a_table_of_another_run_is_named(tmp_path):
-    write(tmp_path, "prediction.json", "prediction.csv")
-    with pytest.warns(ParameterWarning, match=r"there before: prediction\.csv"):
-        write(tmp_path, "prediction.json")
-
-
 @pytest.mark.parametrize(("age", "stays"), [(3600.0, True), (2 * 86400.0, False)])
 def test_what_a_killed_run_left_is_removed_after_a_day(tmp_path, age, stays):
     left = tmp_path / f"{TEMPORARY}abc"

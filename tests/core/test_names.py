@@ -1,5 +1,6 @@
 """Names of the package: short help, and the nearest one to a slip."""
 
+import operator
 import pydoc
 
 import pytest
@@ -22,6 +23,19 @@ def test_a_wrong_name_is_told_the_nearest(owner, name, says):
     with pytest.raises(AttributeError) as caught:
         getattr(owner, name)
     assert str(caught.value).endswith(says)
+
+
+@pytest.mark.parametrize(("old", "new"), lf.RENAMED.items())
+def test_names_of_the_last_release_warn_and_serve(old, new):
+    with pytest.warns(FutureWarning, match=rf"lightflyer\.{old} is now lightflyer\.{new}"):
+        found = getattr(lf, old)
+    assert found is operator.attrgetter(new)(lf)
+    assert old not in dir(lf)
+
+
+def test_predict_moved_and_serves_where_it_was():
+    with pytest.warns(FutureWarning, match=r"is now lightflyer\.predict"):
+        assert lf.prediction.predict is lf.predict
 
 
 def test_help_is_a_screen_or_two():

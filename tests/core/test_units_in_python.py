@@ -14,36 +14,23 @@ FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 OTHER_REGISTRY = pint.UnitRegistry()
 
 
+ONE = OTHER_REGISTRY.Quantity(1, "cm")
+SEVERAL = [
+    [0.01, 0.02],
+    (0.01, 0.02),
+    np.array([0.01, 0.02]),
+    xr.DataArray([0.01, 0.02], dims="radius"),
+    OTHER_REGISTRY.Quantity([1, 2], "cm"),
+]
+
+
 @pytest.mark.parametrize(
-    "radius",
-    [
-        0.01,
-        "1 cm",
-        "10 mm",
-        OTHER_REGISTRY.Quantity(1, "cm"),
-        np.float64(0.01),
-        np.asarray(0.01),
-    ],
+    "radius", [0.01, "1 cm", "10 mm", ONE, np.float64(0.01), np.asarray(0.01), *SEVERAL]
 )
 def test_a_number_in_any_writing_is_the_same_disk(radius):
-    assert lf.Disk(FILM, radius).own_mass == pytest.approx(np.pi * 1e-7, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    "radii",
-    [
-        [0.01, 0.02],
-        (0.01, 0.02),
-        np.array([0.01, 0.02]),
-        xr.DataArray([0.01, 0.02], dims="radius"),
-        OTHER_REGISTRY.Quantity([1, 2], "cm"),
-    ],
-)
-def test_several_numbers_in_any_writing_are_an_array(radii):
-    state = lf.Earth().state("72 km")
-    found = lf.payload(lf.Disk(FILM, radii), state, lf.Lu2023())
-    expected = [lf.payload(lf.Disk(FILM, radius), state, lf.Lu2023()) for radius in (0.01, 0.02)]
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    expected = np.pi * 1e-3 * np.array([0.01, 0.02])[: np.size(radius)] ** 2
+    found = lf.Disk(FILM, radius).own_mass
+    np.testing.assert_allclose(found, expected if np.ndim(found) else expected[0], rtol=1e-12)
 
 
 def test_every_record_reads_units():
@@ -87,19 +74,11 @@ def test_what_is_no_length_is_one_clear_line(value, message):
 
 def test_what_is_of_the_wrong_class_is_one_clear_line():
     disk, state = lf.Disk(FILM, 0.01), lf.Earth().state(72e3)
-    with pytest.raises(
-        lf.ParameterError, match="film must be of class FilmProperties, not the text"
-    ):
-        lf.Disk("germanium", 0.01)
-    with pytest.raises(lf.ParameterError, match="attitude must be of class Attitude or None"):
-        lf.Disk(FILM, 0.01, attitude=0.3)
     for function in (lf.payload, lf.lift, lf.levitate, lf.equilibrium, lf.statics.force_vector):
         with pytest.raises(lf.ParameterError, match="state must be of class EnvironmentState"):
             function(disk, 72e3, lf.Lu2023())
         with pytest.raises(lf.ParameterError, match="model must be of class AbstractForceModel"):
             function(disk, state, "kinetic")
-    with pytest.raises(lf.ParameterError, match="environment must be of class AbstractEnv"):
-        lf.levitation_band(disk, "earth", lf.Lu2023())
 
 
 def test_functions_take_lists_and_refuse_units():
@@ -223,53 +202,12 @@ def test_names_of_dimensions_make_a_grid():
         lf.payload(other, EARTH.state(shifted), LU)
 
 
-@pytest.mark.parametrize(
-    "misfit",
-    [
-        lambda: lf.FilmProperties(1e-3, [0.7, 0.8], 0.1, 0.1, [0.8, 0.9, 1.0], 0.9),
-        lambda: lf.Disk(
-            lf.FilmProperties(1e-3, [0.7, 0.8], 0.1, 0.1, 0.8, 0.9), [1e-2, 2e-2, 3e-2]
-        ),
-        lambda: lf.levitate(lf.Disk(FILM, [0.01, 0.02]), EARTH.state([70e3, 71e3, 72e3]), LU),
-        lambda: lf.gas.mean_free_path([1.0, 2.0], [200.0, 250.0, 300.0], lf.gas.AIR),
-    ],
-)
-def test_shapes_that_do_not_fit_are_one_clear_line(misfit):
-    with pytest.raises(
-        lf.ParameterError, match=r"of shape \(2,\) and .* of shape \(3,\) do not fit"
-    ):
-        misfit()
-
-
-def test_a_prediction_is_of_one_design():
-    with pytest.raises(lf.ConfigurationError, match=r"flyer.radius of shape \(2,\) .*sweep takes"):
-        lf.predict(lf.Disk(FILM, [0.01, 0.02]), EARTH, LU)
-
-
 def test_under_jit_what_is_impossible_is_nan():
     def payload(radius):
         return lf.payload(lf.Disk(FILM, radius), STATE, LU)
 
     found = jax.jit(jax.vmap(payload))(np.array([-0.01, 0.0, 0.01]))
     np.testing.assert_array_equal(np.isnan(found), [True, True, False])
-
-
-def test_own_models_and_rules_of_the_wrong_kind_are_one_clear_line():
-    class Scalar(lf.Lu2023):
-        def heat_loss(self, flyer, state, unknowns):
-            return unknowns[0]
-
-    class Pair(lf.Lu2023):
-        def force(self, flyer, state, unknowns):
-            return 0.0, 0.0
-
-    with pytest.raises(lf.ParameterError, match=r"heat_loss\(\) of \w+ must give a tuple"):
-        lf.payload(DISK, STATE, Scalar())
-    with pytest.raises(lf.ParameterError, match=r"force\(\) must give an array, not tuple"):
-        lf.payload(DISK, STATE, Pair())
-    release = lf.Release("75 km", 45.0, 10.0, "2026-06-21T12:00Z")
-    with pytest.raises(lf.ParameterError, match="attitude must be of class AbstractAttitudeRule"):
-        lf.fly(DISK, EARTH, LU, release=release, duration="1 min", attitude="level")
 
 
 @pytest.mark.parametrize(
@@ -302,9 +240,27 @@ def test_correlations_of_a_design_of_objects_belong_together():
     assert spreads == pytest.approx({"flyer.radius": 5e-4, top: 0.01})
 
 
+class Scalar(lf.Lu2023):
+    def heat_loss(self, flyer, state, unknowns):
+        return unknowns[0]
+
+
+class Pair(lf.Lu2023):
+    def force(self, flyer, state, unknowns):
+        return 0.0, 0.0
+
+
+RELEASE = lf.Release("75 km", 45.0, 10.0, "2026-06-21T12:00Z")
+TWO_FILMS = lf.FilmProperties(1e-3, [0.7, 0.8], 0.1, 0.1, 0.8, 0.9)
+MISFIT = r"of shape \(2,\) and .* of shape \(3,\) do not fit"
+
+
 @pytest.mark.parametrize(
     ("function", "says"),
     [
+        (lambda: lf.Disk("germanium", 0.01), "film must be of class FilmProperties, not the text"),
+        (lambda: lf.Disk(FILM, 0.01, attitude=0.3), "attitude must be of class Attitude or None"),
+        (lambda: lf.levitation_band(DISK, "earth", LU), "environment must be of class AbstractEnv"),
         (lambda: lf.lab.fit_tac(None), "run must be of class TacRun, not NoneType"),
         (lambda: lf.lab.levitation_curve("x"), "points must be of class LiftOffs, not str"),
         (lambda: lf.lab.roughness(np.ones((20, 20))), "source must be of class HeightMap"),
@@ -313,18 +269,32 @@ def test_correlations_of_a_design_of_objects_belong_together():
         (lambda: lf.calibration.Gauge("1.7"), "a gauge has one factor"),
         (lambda: lf.calibration.Gauge(1.0, np.ones(2)), "both shown and pressure or neither"),
         (lambda: lf.Disk(FILM, np.ma.masked_array([0.01, 0.02], [0, 1])), "radius = nan"),
+        (lambda: lf.payload(DISK, STATE, Scalar()), r"heat_loss\(\) of \w+ must give a tuple"),
+        (lambda: lf.payload(DISK, STATE, Pair()), r"force\(\) must give an array, not tuple"),
+        (
+            lambda: lf.fly(DISK, EARTH, LU, release=RELEASE, duration="1 min", attitude="level"),
+            "attitude must be of class AbstractAttitudeRule",
+        ),
+        (
+            lambda: require_range("span", "30 %", 0.1, 1.0),
+            'span = "30 %" is a text; write a number',
+        ),
+        (lambda: lf.FilmProperties(1e-3, [0.7, 0.8], 0.1, 0.1, [0.8, 0.9, 1.0], 0.9), MISFIT),
+        (lambda: lf.Disk(TWO_FILMS, [1e-2, 2e-2, 3e-2]), MISFIT),
+        (
+            lambda: lf.levitate(lf.Disk(FILM, [1e-2, 2e-2]), EARTH.state([7e4, 7.1e4, 7.2e4]), LU),
+            MISFIT,
+        ),
+        (lambda: lf.gas.mean_free_path([1.0, 2.0], [200.0, 250.0, 300.0], lf.gas.AIR), MISFIT),
+        (
+            lambda: lf.predict(lf.Disk(FILM, [0.01, 0.02]), EARTH, LU),
+            r"flyer.radius of shape \(2,\) .*sweep takes",
+        ),
     ],
 )
-def test_objects_of_another_class_are_one_sentence(function, says):
-    with pytest.raises(lf.ParameterError, match=says):
+def test_what_does_not_belong_is_one_sentence(function, says):
+    with pytest.raises((lf.ParameterError, lf.ConfigurationError), match=says):
         function()
-
-
-@pytest.mark.parametrize("altitudes", [[70e3, 72e3], (70e3, 72e3), np.array([70e3, 72e3])])
-def test_a_sweep_takes_numbers_as_arrays(altitudes):
-    over = {"altitude": altitudes}
-    found = lf.sweep(lf.Disk(FILM, 0.01), lf.Earth(), lf.Lu2023(), over=over, outputs=["pressure"])
-    np.testing.assert_allclose(found.pressure, lf.Earth().state(np.array(altitudes)).pressure)
 
 
 @pytest.mark.parametrize(
@@ -349,8 +319,3 @@ def test_a_film_reads_units(wavelength):
 def test_a_difference_of_temperatures_has_no_zero():
     assert lf.lab.TacAccuracy(temperature="0.5 °C").temperature == 0.5
     assert lf.lab.TacAccuracy(temperature="0.9 °F").temperature == pytest.approx(0.5, rel=1e-12)
-
-
-def test_a_text_is_no_number_of_a_function_without_units():
-    with pytest.raises(lf.ParameterError, match='span = "30 %" is a text; write a number'):
-        require_range("span", "30 %", 0.1, 1.0)

@@ -153,6 +153,8 @@ def test_units_and_names_travel(case):
     np.testing.assert_allclose(found, expected, rtol=1e-12)
     for written in (
         pd.Series(numbers),
+        numbers.tolist(),
+        tuple(numbers.tolist()),
         OTHER_REGISTRY.Quantity(numbers / size, unit),
         [f"{number / size!r} {unit}" for number in numbers.tolist()],
     ):

@@ -7,7 +7,7 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.core.quantity import Irradiance, Pressure, Temperature
-from lightflyer.files.number_marks import Marks, find_marks, split_number, stated_mark
+from lightflyer.files.number_marks import find_marks, split_number
 from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 
@@ -68,14 +68,18 @@ def test_read_right_or_refused(tmp_path, country, delimiter):
     assert all(" may be " in said for said in refused)
 
 
-def test_one_mark_changed_is_never_a_factor_of_a_thousand(tmp_path):
-    """A comma for a point in one cell: the number is read as it was, or the file is refused."""
-    values = [["0.5", "1.469"], ["1.200", "1.533"], ["12.25", "2.012"], ["2.5", "850.125"]]
-    for row, place in itertools.product(range(4), range(2)):
-        cells = [list(one) for one in values]
-        cells[row][place] = cells[row][place].replace(".", ",")
-        with pytest.raises(lf.ConfigurationError, match=r"may be|other marks"):
-            read_table(table(tmp_path, cells, "\t"), COLUMNS)
+CELLS = [["0.5", "1.469"], ["1.200", "1.533"], ["12.25", "2.012"], ["2.5", "850.125"]]
+# a comma for a point in one cell is never a factor of a thousand
+CHANGED = [
+    [
+        [
+            cell.replace(".", ",") if (row, place) == changed else cell
+            for place, cell in enumerate(cells)
+        ]
+        for row, cells in enumerate(CELLS)
+    ]
+    for changed in itertools.product(range(4), range(2))
+]
 
 
 @pytest.mark.parametrize(
@@ -91,11 +95,12 @@ def test_one_mark_changed_is_never_a_factor_of_a_thousand(tmp_path):
         ([["0,5", "1,234.5"]], '"1,234.5" has other marks than "0,5" in line 2'),
         ([["1,234,567", "1.234.567"]], "has other marks"),
         ([["0.5", "1"], ["0,7", "2"]], '"0,7" has other marks than "0.5" in line 2'),
+        *((cells, "") for cells in CHANGED),
     ],
 )
 def test_two_readings_are_refused(tmp_path, cells, says):
     path = table(tmp_path, cells, "\t")
-    with pytest.raises(lf.ConfigurationError) as error:
+    with pytest.raises(lf.ConfigurationError, match=r"may be|other marks") as error:
         read_table(path, COLUMNS)
     assert says in str(error.value)
     assert str(error.value).startswith(f"{path}:")
@@ -115,7 +120,7 @@ def test_a_line_of_the_file_settles_it(tmp_path):
             assert (found["pressure"][0], found["irradiance"][0]) == values
 
 
-def test_structure_settles_it_and_the_table_says_so(tmp_path):
+def test_structure_settles_it_and_the_table_says_so(tmp_path, write):
     rows = [["0.5", "850"], ["0.7", "1,469"]]
     found = read_table(table(tmp_path, rows, "\t"), COLUMNS)
     assert found.numbers["irradiance"].tolist() == [850.0, 1469.0]
@@ -124,6 +129,12 @@ def test_structure_settles_it_and_the_table_says_so(tmp_path):
     # where nobody reads notes, it is not settled
     with pytest.raises(lf.ConfigurationError, match="may be 1469 or"):
         read_table(table(tmp_path, rows, "\t"), COLUMNS, strict=True)
+    # a camera shows no 150,123 °C; 2300 K are possible
+    columns = (Column("temperature", Temperature),)
+    hot = read_table(write("temperature [°C]\n150.123\n45.678\n"), columns)
+    assert hot.numbers["temperature"] == pytest.approx([423.273, 318.828])
+    with pytest.raises(lf.ConfigurationError, match=r"may be 1250 or 1\.25"):
+        read_table(write("temperature [K]\n1,250\n2,300\n"), columns)
 
 
 @pytest.mark.parametrize(
@@ -140,23 +151,4 @@ def test_marks_of_many_numbers():
     assert [marks.number(cell) for cell in ("-1.469,25", "2.000", "1d3", "3,25", "1.5")] == [
         -1469.25, 2000.0, 1000.0, 3.25, None
     ]  # fmt: skip
-
-
-def test_only_one_reading_is_possible(tmp_path):
-    """A camera shows no 150,123 °C, and no gas has a billion pascals."""
-    columns = (Column("temperature", Temperature),)
-    path = tmp_path / "log.txt"
-    path.write_text("temperature [°C]\n150.123\n45.678\n", encoding="utf-8")
-    assert read_table(path, columns).numbers["temperature"] == pytest.approx([423.273, 318.828])
-    path.write_text("temperature [K]\n1,250\n2,300\n", encoding="utf-8")
-    with pytest.raises(lf.ConfigurationError, match=r"may be 1250 or 1\.25"):
-        read_table(path, columns)
-
-
-def test_marks_of_single_numbers():
-    assert Marks(decimal=",", thousands=".").number("1.469,5") == 1469.5
     assert (split_number("1.234,5").decimal, split_number("1,234").open) == (",", ",")
-
-
-def test_a_file_may_state_its_decimal_mark():
-    assert stated_mark(["# run 3", "# decimal: comma"]) == ","

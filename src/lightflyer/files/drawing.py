@@ -126,6 +126,8 @@ def save(figure: Figure, paths: list[Path], dpi: int = DOTS_PER_INCH) -> None:
     figure.set_dpi(dpi)
     FigureCanvasAgg(figure)
     if (engine := figure.get_layout_engine()) is not None:
+        for ax in figure.axes:  # at the sides they are no wider than labels, and slow to measure
+            ax.spines[["left", "right"]].set_in_layout(False)
         engine.execute(figure)
         figure.set_layout_engine("none")  # laid out: not again for every format
     # the canvases are called directly because savefig draws everything twice

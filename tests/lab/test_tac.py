@@ -185,6 +185,13 @@ def test_total_intervals_equal_lmfit_with_common_errors_as_parameters(exact_law,
     np.testing.assert_allclose(fit.tac.interval, (ends[0][1], ends[-1][1]), rtol=2e-3)
 
 
+def test_errors_that_are_held_do_what_those_that_are_fitted_do():
+    problem = make_problem(independent_run(12), np.ones(12, bool), Bench(**OPTIONS))
+    common = {name: 0.3 + place for place, name in enumerate(problem.errors)}
+    whole = problem.residuals([*TRUTH, *common.values()])[:12]
+    np.testing.assert_allclose(problem.held(common).residuals(TRUTH), whole, rtol=1e-9)
+
+
 def test_many_rows_do_not_measure_the_gauge(rng):
     """The curve's shape tells the gauge's error only as well as the law's shape is known."""
     fit = tac.fit_tac(independent_run(12_000, 0.01, rng), **OPTIONS)

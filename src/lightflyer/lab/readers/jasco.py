@@ -168,28 +168,23 @@ def read_jws(source: Source) -> list[RawSpectrum]:
             resolution=_resolution(streams),
             sample=_words(streams.get("SampleInfo", b""), which=0),
         )
-        y = np.frombuffer(streams["Y-Data"], "<f4")
-        return [_spectrum(source, y, (count, first, last, step), (axis & 0xFF, mode), metadata)]
-    data = source.content
-    count, first, last, step = _GRID.unpack_from(data, _AT_GRID)
-    unit, mode = data[_AT_UNITS], data[_AT_UNITS + 4]
-    (length,) = struct.unpack_from("<q", data, _AT_LENGTH)
-    if length != _FLOAT * count or len(data) - length != _AT_DATA:
-        source.refuse(f"is damaged: its {len(data)} bytes do not hold the {count} points it names")
-    y = np.frombuffer(data[_AT_DATA:], "<f4")
-    metadata = SpectrumMetadata(
-        JWS,
-        instrument=plain(data[_AT_INSTRUMENT : _AT_INSTRUMENT + _WORDS]),
-        sample=plain(data[_AT_TITLE : _AT_TITLE + 2 * _WORDS], "cp932"),
-    )
-    return [_spectrum(source, y, (count, first, last, step), (unit, mode), metadata)]
-
-
-def _spectrum(
-    source: Source, y: np.ndarray, grid: tuple[int, float, float, float], codes: tuple[int, int],
-    metadata: SpectrumMetadata,
-) -> RawSpectrum:  # fmt: skip
-    count, first, last, step = grid
+        values, unit = streams["Y-Data"], axis & 0xFF
+    else:
+        data = source.content
+        count, first, last, step = _GRID.unpack_from(data, _AT_GRID)
+        unit, mode = data[_AT_UNITS], data[_AT_UNITS + 4]
+        (length,) = struct.unpack_from("<q", data, _AT_LENGTH)
+        values = data[_AT_DATA:]
+        if length != _FLOAT * count or len(data) - length != _AT_DATA:
+            source.refuse(
+                f"is damaged: its {len(data)} bytes do not hold the {count} points it names"
+            )
+        metadata = SpectrumMetadata(
+            JWS,
+            instrument=plain(data[_AT_INSTRUMENT : _AT_INSTRUMENT + _WORDS]),
+            sample=plain(data[_AT_TITLE : _AT_TITLE + 2 * _WORDS], "cp932"),
+        )
+    y = np.frombuffer(values, "<f4")
     if not 2 <= count <= MOST_POINTS or len(y) != count:
         source.refuse(f"is damaged: it names {count} points and holds {len(y)}")
     end = first + step * (count - 1)
@@ -200,14 +195,13 @@ def _spectrum(
         if abs(end - last) <= abs(step)
         else (f"it says that it ends at {last:g}, its {count} points at {end:g}: was it stopped?",)
     )
-    unit, mode = map(str, codes)
-    if unit not in _ABSCISSAE or mode not in _ORDINATES:
+    abscissa, ordinate = _ABSCISSAE.get(str(unit)), _ORDINATES.get(str(mode))
+    if abscissa is None or ordinate is None:
         source.refuse(f"its axes have the unknown codes {unit} and {mode}; export text")
-    ordinate = _ORDINATES[mode]
-    return RawSpectrum(
-        first + step * np.arange(count), y.astype(float), _ABSCISSAE[unit], ordinate, metadata,
-        percent=ordinate.startswith("%"), notes=notes,
-    )  # fmt: skip
+    x, percent = first + step * np.arange(count), ordinate.startswith("%")
+    return [
+        RawSpectrum(x, y.astype(float), abscissa, ordinate, metadata, percent=percent, notes=notes)
+    ]
 
 
 def _text(data: bytes, at: int) -> tuple[str, int]:

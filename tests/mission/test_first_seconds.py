@@ -8,8 +8,6 @@ from scipy.integrate import solve_ivp
 
 import lightflyer as lf
 from lightflyer.array.namespace import by_numpy
-from lightflyer.cli.commands.init import templates
-from lightflyer.config.designs import as_design
 from lightflyer.environment import EARTH_PLANET, Place
 from lightflyer.mission.path.dynamics import Moving
 from lightflyer.mission.path.integration import Limits
@@ -153,26 +151,3 @@ def test_a_release_from_an_aircraft_is_soon_one_at_rest(disk):
     density = 0.3119  # kg/m³, of the standard atmosphere at 12 km
     pressure = float(ends[1].release_pressure)
     assert pressure == pytest.approx(0.5 * density * (60.0**2 + 2.0**2), rel=1e-3)
-
-
-def test_what_a_velocity_means_nothing_for_is_refused(disk, tmp_path):
-    release = lf.Release("75 km", **PLACE, velocity=(1.0, 0.0, 0.0))
-    with pytest.raises(lf.ParameterError, match="three components"):
-        lf.Release("75 km", **PLACE, velocity=5.0)
-    with pytest.raises(lf.ParameterError, match="leaves the Earth"):
-        lf.Release("75 km", **PLACE, velocity=(0.0, 0.0, "12 km/s"))
-    with pytest.raises(lf.ParameterError, match="takes no velocity"):
-        lf.mission.trajectory(disk, lf.Earth(), lf.FreeMolecular(), release, [0.0, 60.0])
-    path = tmp_path / "flyer.toml"
-    path.write_text(templates()["balloon"].read(), encoding="utf-8")
-    balloon = as_design(path)
-    with pytest.raises(lf.ParameterError, match="moves with a balloon"):
-        lf.fly(balloon, release=lf.Release("10 km", **PLACE, velocity=(1.0, 0.0, 0.0)),
-               duration="1 h")  # fmt: skip
-    at_rest = lf.Release("75 km", **PLACE)
-    with pytest.raises(lf.ParameterError, match=r"add \[mission.release\]"):
-        lf.fly(disk, lf.Earth(), lf.FreeMolecular(), release=at_rest, duration="1 h",
-               ensemble=lf.mission.Ensemble(3, velocity=1.0))  # fmt: skip
-    fast = lf.Release("95 km", **PLACE, velocity=(3000.0, 0.0, 0.0))
-    with pytest.raises(lf.ParameterError, match="lost in this model"):
-        lf.fly(disk, lf.Earth(), lf.FreeMolecular(), release=fast, duration="1 h")

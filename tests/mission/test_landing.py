@@ -317,13 +317,3 @@ def test_a_mission_far_above_the_ground_says_nothing_of_landings():
     )  # fmt: skip
     assert landings_of(flown) is None
     assert "landing" not in lf.mission.summarise(flown)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [({"objects": 0}, "at least 1"), ({"flight_levels": ()}, "hundreds of feet"),
-     ({"flight_levels": (24_500,)}, "hundreds of feet")],
-)  # fmt: skip
-def test_what_no_landing_is_counted_in_is_refused(given, message):
-    with pytest.raises(lf.ParameterError, match=message):
-        lf.mission.Landing(**given)

@@ -1,7 +1,6 @@
 """Drift, hanging payloads and swarms over altitude, against closed forms and each other."""
 
 import numpy as np
-import pytest
 
 import lightflyer as lf
 from lightflyer.files.result_text import as_text
@@ -77,17 +76,3 @@ def test_what_is_nowhere_is_empty_in_tables_and_null_in_json(disk):
     numbers = [row for row in rows if row.split()[0] == "60"]
     told = next(row for row in rows if row.startswith("warning"))
     assert rows.index(numbers[0]) == rows.index(told) - 1
-
-
-@pytest.mark.parametrize(
-    ("compute", "flyer", "around", "said"),
-    [
-        (drift_over_altitude, lf.Disk(FILM, 0.01), lf.Chamber(), "over pressure"),
-        (drift_over_altitude, lf.Disk(FILM, 0.2), lf.Earth(), "give altitudes"),
-        (stability_over_altitude, lf.Disk(FILM, 0.01), lf.Earth(), "payload is zero"),
-    ],
-)
-def test_what_is_not_over_altitude_is_refused(compute, flyer, around, said):
-    how = {"rod": "1 mm"} if compute is stability_over_altitude else {}
-    with pytest.raises(lf.ParameterError, match=said):
-        compute(lf.Setup(flyer, around, lf.Lu2023()), **how)

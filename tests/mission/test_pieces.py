@@ -41,13 +41,6 @@ def test_a_mission_file_is_a_mission(tmp_path):
     assert lf.mission.Mission(**file.arguments()) == file.mission
 
 
-def test_a_mission_of_other_parts_is_refused():
-    with pytest.raises(lf.ParameterError, match="release must be of class Release, not Circle"):
-        lf.mission.Mission(lf.mission.Circle(45.0, 0.0, 1e5), "1 h")
-    with pytest.raises(lf.ParameterError, match="duration"):
-        lf.mission.Mission(RELEASE, "1 kg")
-
-
 def test_positions_come_back_and_directions_are_at_right_angles(rng):
     latitude, longitude = rng.uniform(-1.57, 1.57, 50), rng.uniform(-3.14, 3.14, 50)
     with lf.float64():
@@ -107,8 +100,6 @@ def test_times_end_with_the_duration():
     assert times_of("1 h").size == 61
     assert times_of("1 h", "20 min").tolist() == [0.0, 1200.0, 2400.0, 3600.0]
     assert times_of(1000.0, 300.0)[-1] == 1000.0
-    with pytest.raises(lf.ParameterError, match="duration"):
-        times_of(-5.0)
 
 
 def test_day_and_night_change_where_half_of_the_light_is_left():
@@ -162,30 +153,6 @@ def test_coastlines_keep_to_the_world_and_do_not_cross_it():
 def test_a_release_reads_dates_and_units():
     release = lf.Release("75 km", latitude=45.0, longitude="10 deg", time="2000-01-01T13:00+01:00")
     assert (release.altitude, release.time) == (75e3, 0.0)
-    with pytest.raises(lf.ParameterError, match="soon"):
-        lf.Release(75e3, latitude=0.0, longitude=0.0, time="soon")
-
-
-def test_a_flyer_without_a_law_of_drag_cannot_fly(disk):
-    class Unknown(lf.Disk):
-        def drag(self, *arguments, **named):
-            return lf.AbstractFlyer.drag(self, *arguments, **named)
-
-    release = lf.Release(75e3, latitude=0.0, longitude=0.0, time=0.0)
-    with pytest.raises(lf.ConfigurationError, match="has no law of drag"):
-        lf.fly(
-            Unknown(disk.film, disk.radius),
-            lf.Earth(),
-            lf.Lu2023(),
-            release=release,
-            duration="1 h",
-        )
-
-
-def test_a_mission_needs_a_planet(disk):
-    release = lf.Release(75e3, latitude=0.0, longitude=0.0, time=0.0)
-    with pytest.raises(lf.ParameterError, match="over altitude"):
-        lf.fly(disk, lf.Chamber(), lf.Lu2023(), release=release, duration="1 h")
 
 
 def test_a_tilted_disk_glides_so_that_all_forces_vanish(isothermal_air, closed_form_disk):

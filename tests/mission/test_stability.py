@@ -1,7 +1,6 @@
 """A hanging payload against Newton's equations of its parts; tilted disks against closed forms."""
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,12 +8,10 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import lightflyer as lf
-from lightflyer.config.designs import as_design
 from lightflyer.drag.disk import turning_disk_torque
 from lightflyer.mission.path.steady import _Body, longest_rod, modes_of
 
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-DATA = Path(lf.__file__).parent / "data"
 RANDOM = np.random.default_rng(5)
 
 
@@ -124,33 +121,6 @@ def test_a_short_rod_keeps_a_disk_level_and_a_long_one_or_a_string_does_not():
     assert not string.stable  # nothing rights the disk
     assert abs(string.growth_rate) < 1e-9
     assert any("edgewise" in text for text in found.warnings)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"rod": -1e-3}, "rod"),
-        ({"rod": 0.0}, "no distance"),
-        ({"rod": 1e-3, "payload_drag": -1.0}, "payload_drag"),
-    ],
-)
-def test_what_cannot_hang_is_refused(arguments, message):
-    disk = lf.Disk(FILM, radius=0.01, payload=1e-7)
-    with pytest.raises(lf.ParameterError, match=message):
-        lf.mission.hanging_stability(disk, lf.Earth().state(70e3), **arguments)
-
-
-def test_a_flyer_without_payload_or_without_faces_is_refused():
-    state = lf.Earth().state(70e3)
-    with pytest.raises(lf.ParameterError, match="payload is zero"):
-        lf.mission.hanging_stability(lf.Disk(FILM, radius=0.01), state, rod=1e-3)
-    balloon = as_design(DATA / "flyer-balloon.toml").setup.flyer
-    with pytest.raises(lf.ParameterError, match="one flyer at one place"):
-        lf.mission.hanging_stability(
-            lf.Disk(FILM, radius=0.01), lf.Earth().state([7e4, 8e4]), rod=1e-3
-        )
-    with pytest.raises(lf.ConfigurationError, match="flat"):
-        lf.mission.hanging_stability(balloon, state, rod=1e-3)
 
 
 def test_a_turning_disk_in_dense_gas_is_a_spheroid_of_jeffery_without_thickness():

@@ -299,19 +299,6 @@ def test_a_rule_that_serves_no_flight_is_named(closed_form_disk, lit_air, method
         )  # fmt: skip
 
 
-def test_a_balloon_is_not_tilted_towards_its_station(station):
-    film = lf.FilmProperties(1e-2, 0.9, 0.5, 0.5, 0.9, 0.9)
-    flight = {
-        "duration": "1 h", "release": Release("20 km", **RELEASE),
-        "attitude": lf.mission.TowardsStation(station),
-    }  # fmt: skip
-    what = lf.Balloon(film, radius=3.0), lf.Earth(), lf.BalloonConvection()
-    with pytest.raises(lf.ParameterError, match="a balloon hangs upright"):
-        lf.fly(*what, **flight)
-    with pytest.raises(lf.ParameterError, match="a balloon hangs upright"):
-        lf.mission.disperse_ensemble(*what, **flight, ensemble=lf.mission.Ensemble(3))
-
-
 def test_there_is_nothing_to_choose_in_the_same_wind_everywhere(closed_form_disk, lit_air, station):
     wind = lf.environment.UniformWind(east=5.0)
     flown = lf.fly(
@@ -320,11 +307,6 @@ def test_there_is_nothing_to_choose_in_the_same_wind_everywhere(closed_form_disk
         attitude=lf.mission.Shaded(lf.mission.ChooseWind(station, "66 km", "78 km")),
     )  # fmt: skip
     assert "the wind is the same at all altitudes to choose from" in flown.attrs["warnings"]
-
-
-def test_a_lowest_wind_above_the_highest_is_refused(station):
-    with pytest.raises(lf.ParameterError, match="highest of the winds"):
-        lf.mission.ChooseWind(station, "80 km", "70 km")
 
 
 def test_wind_of_other_altitudes_is_none_where_the_air_is_at_rest():

@@ -75,20 +75,6 @@ def test_a_polygon_turned_as_a_whole_has_the_same_places(everywhere):
     np.testing.assert_array_equal(turned.contains(turn.apply(everywhere), RADIUS), inside)
 
 
-@pytest.mark.parametrize(
-    ("corners", "message"),
-    [
-        (([0.0, 1.0], [0.0, 1.0]), "2 corners"),
-        (([0.0, 1.0, 2.0], [0.0, 1.0]), "each corner"),
-        (([0.0, 0.0, 0.0], [0.0, 120.0, 240.0]), "half of the planet"),
-        (([0.0, 91.0, 2.0], [0.0, 1.0, 1.0]), "latitudes"),
-    ],
-)
-def test_corners_that_make_no_polygon_are_refused(corners, message):
-    with pytest.raises(lf.ParameterError, match=message):
-        Polygon(*corners)
-
-
 def test_intervals_of_shares_are_scipys():
     counts = np.array([0, 1, 7, 99, 100])
     low, high = binomial_interval(counts, 100)
@@ -180,21 +166,6 @@ def test_a_folder_of_another_swarm_is_refused(flown, tmp_path):
     assert json.loads((folder / "spread.json").read_text())["release"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"ensemble": lf.mission.Ensemble(members=0)}, "0 members"),
-        ({"areas": ["Bavaria"]}, "not str"),
-        ({"duration": "-1 h"}, "duration"),
-        ({"lowest": 71e3}, "release altitude 70 km"),
-    ],
-)
-def test_what_cannot_spread_is_refused_in_one_line(flown, arguments, message):
-    with pytest.raises(lf.ParameterError, match=message) as caught:
-        flown[0](**arguments)
-    assert "\n" not in str(caught.value)
-
-
 def test_forces_on_a_tethered_flyer_are_in_balance():
     hung = _Layer(own=3e-6, spare=4e-6, thread=1e-7, spacing=0.3, depth=1.0)
     carried, (_, lengths, tilts) = hung.carried_weight(30), hung.pulls(30)
@@ -246,17 +217,3 @@ def test_a_tether_that_is_too_weak_is_named(disk):
     # its mass by the pull that it bears
     mass = lf.structure.tether_mass(strong.largest_pull, 1.0, 970.0, 2.7e9, 1.0)
     assert mass < 7e-9
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"payload": 1e-4, "altitude": 40e3}, "does not lift itself at 40 km"),
-        ({"payload": 0.0, "altitude": 72e3}, "nothing to carry"),
-        ({"payload": 1e-4, "altitude": 72e3, "spacing": 1.5e-2}, "diameter of a flyer"),
-        ({"payload": 1e-1, "altitude": 72e3, "tether": Tether(1e-5)}, "do not carry it"),
-    ],
-)
-def test_what_a_swarm_cannot_carry_is_refused(disk, arguments, message):
-    with pytest.raises(lf.ParameterError, match=message):
-        lf.mission.tethered_swarm(disk, lf.Earth(), lf.Lu2023(), **arguments)

@@ -114,9 +114,6 @@ def test_waves_of_a_flight_are_its_own_and_come_with_the_ensemble(closed_form_di
 
 
 def test_waves_of_mars_are_not_known(film):
-    ensemble = lf.mission.Ensemble(members=2, waves=1.0)
-    with pytest.raises(lf.ParameterError, match="over Mars leave waves out"):
-        ensemble.waves_over(lf.Mars())
     unasked = lf.mission.Ensemble(members=2)
     assert unasked.waves_over(lf.Mars()) == 0.0
     setup = lf.Setup(lf.Disk(film, radius=1e-3), lf.Mars(), lf.FreeMolecular())

@@ -113,11 +113,9 @@ def thermography(
     if accuracy is not None:
         read: Any = share if light_meter else difference
         stated = read("--accuracy", accuracy, *([] if light_meter else ["K"]))
-    image, tables, areas = None, [], thermal_image.parse_regions(regions or "")
-    if light_meter and file is not None:
-        readings, table = data.read_readings(file, data.LIGHT, columns=columns, accuracy=stated)
-        tables = [table]
-    else:
+    scene, image, areas = None, None, thermal_image.parse_regions(regions or "")
+    said: list[str] = []
+    if not light_meter:
         camera = UNCOOLED if band is None else parse_band(band)
         try:
             scene = data.Scene(camera, hotplate_emissivity or data.BLACK, film_temperature)
@@ -125,41 +123,37 @@ def thermography(
             raise ConfigurationError(f"--{str(error).replace('_', '-', 1)}") from None
         if regions and file is None:
             raise ConfigurationError("--regions is for an image; give its file")
-        if file is not None and (regions or thermal_image.is_thermal_image(file)):
-            if regions is None:
-                raise ConfigurationError(
-                    f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."'
-                )
-            image = thermal_image.read_thermal_image(
-                file,
-                scale=None
-                if image_unit is None
-                else thermal_image.parse_scale(image_unit, image_zero),
-                emissivity=image_emissivity,
-                reflected_temperature=image_reflected,
+    if scene and file is not None and (regions or thermal_image.is_thermal_image(file)):
+        if regions is None:
+            raise ConfigurationError(
+                f'{file}: an image needs --regions "hotplate=10:40,20:60; ..."'
             )
-            kelvin = image.temperature
-            found = (
-                data.with_accuracy(
-                    thermal_image.region_temperatures(kelvin, areas, image.source), stated
-                )
-                | given
-            )
-            readings = data.given_readings(found, data.THERMAL, accuracy=stated, scene=scene)
-            said = (
-                *thermal_image.setting_warnings(image, found["ambient_temperature"].value),
-                *thermal_image.region_warnings(kelvin, areas),
-                *data.accuracy_warnings(data.THERMAL, stated),
-                *readings.warnings,
-            )
-            readings = dataclasses.replace(readings, warnings=tuple(dict.fromkeys(said)))
-        elif file is None:
-            readings = data.given_readings(given, data.THERMAL, accuracy=stated, scene=scene)
-        else:
-            readings, table = data.read_readings(
-                file, data.THERMAL, columns=columns, given=given, accuracy=stated, scene=scene
-            )
-            tables = [table]
+        parse = thermal_image.parse_scale
+        scale = None if image_unit is None else parse(image_unit, image_zero)
+        image = thermal_image.read_thermal_image(
+            file,
+            scale=scale,
+            emissivity=image_emissivity,
+            reflected_temperature=image_reflected,
+        )
+        kelvin = image.temperature
+        seen = thermal_image.region_temperatures(kelvin, areas, image.source)
+        given = data.with_accuracy(seen, stated) | given
+        said += thermal_image.region_warnings(kelvin, areas)
+        said += data.accuracy_warnings(data.THERMAL, stated)
+    tables = []
+    if file is None or image is not None:
+        readings = data.given_readings(given, data.THERMAL, accuracy=stated, scene=scene)
+    else:
+        readings, table = data.read_readings(
+            file, data.LIGHT if light_meter else data.THERMAL, columns=columns, given=given,
+            accuracy=stated, scene=scene,
+        )  # fmt: skip
+        tables = [table]
+    if image is not None:
+        ambient_read = given["ambient_temperature"].value
+        said = [*thermal_image.setting_warnings(image, ambient_read), *said, *readings.warnings]
+        readings = dataclasses.replace(readings, warnings=tuple(dict.fromkeys(said)))
     result = reduce_readings(readings, draws=draws, seed=seed)
     keys = emittance_keys(face)
     if light_meter:

@@ -6,7 +6,7 @@ from functools import partial, wraps
 from typing import Any, ParamSpec, TypeVar
 
 from lightflyer.array.namespace import call, is_numeric, is_tracer
-from lightflyer.array.tree import leaves
+from lightflyer.array.tree import flatten, leaves
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -66,18 +66,29 @@ def is_traceable(args: Any) -> bool:
 
 
 def part_known(
-    function: Callable[[Any, Any], Any], known: Any, unknown: Any
+    function: Callable[[Any, Any], Any], known: Any, unknown: Any, name: str
 ) -> tuple[tuple[Any, ...], Callable[[tuple[Any, ...], Any], Any]]:
     """What JAX can compute of a function by its first argument, and the rest of the function.
 
     A loop that calls the rest, or a derivative of it, is compiled without what it does not change.
+    A function of the same name is split once for arguments alike, within a call of a public one.
     """
+    memory, (given, form) = call.memory.setdefault(part_known, {}), flatten(known)
+    key = name, form, *map(call.jax.typeof, (*given, *leaves(unknown)))
+    found = memory.get(key) or _split(function, known, unknown, len(given))
+    consts, first, rest = found
+    if not any(map(is_tracer, consts)):  # which belong to what is traced now
+        memory[key] = found
+    return tuple(first(*consts, *given)), rest
+
+
+def _split(function: Callable[[Any, Any], Any], known: Any, unknown: Any, count: int) -> Any:
     from jax.extend.core import ClosedJaxpr, Literal, jaxpr_as_fun
 
-    jax, given = call.jax, leaves(known)
+    jax = call.jax
     closed, shape = jax.make_jaxpr(function, return_shape=True)(known, unknown)
     whole, form = closed.jaxpr, jax.tree.structure(shape)
-    begin, end = [*whole.constvars, *whole.invars[: len(given)]], whole.invars[len(given) :]
+    begin, end = [*whole.constvars, *whole.invars[:count]], whole.invars[count:]
     computed, early, late = {*begin}, [], []
     for step in whole.eqns:
         if all(isinstance(one, Literal) or one in computed for one in step.invars):
@@ -93,6 +104,9 @@ def part_known(
         part = whole.replace(constvars=(), invars=inputs, eqns=steps, outvars=outputs)
         return jax.jit(jaxpr_as_fun(ClosedJaxpr(part, ())))
 
-    values = tuple(program(begin, early, kept)(*closed.consts, *given))
     rest = program([*kept, *end], late, whole.outvars)
-    return values, lambda values, unknown: form.unflatten(rest(*values, *leaves(unknown)))
+    return (
+        closed.consts,
+        program(begin, early, kept),
+        (lambda values, unknown: form.unflatten(rest(*values, *leaves(unknown)))),
+    )

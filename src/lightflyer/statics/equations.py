@@ -92,7 +92,7 @@ class FlightEquations(Module):
             def whole(parts: Any, unknowns: Any, method: Any = method) -> Any:
                 return method(FlightEquations(*parts), unknowns)
 
-            begun[name] = _Begun(*part_known(whole, parts, unknowns), shape)
+            begun[name] = _Begun(*part_known(whole, parts, unknowns, name), shape)
         return FlightEquations(*parts, begun)
 
     @property

@@ -100,19 +100,27 @@ def compiled():
 def require_derivatives(compiled):
     """Compare derivatives of a function of a vector, by JAX, with differences by NumPy."""
 
-    def require(function, point, rtol, atol, mode=jax.jacrev):
-        def twice(x):
-            value = function(x)
-            return value, value
-
+    def require(function, point, rtol, atol, *, reverse=False):
         shifts = 1e-5 * np.diag(point)
         moved = np.concatenate([point + shifts, point - shifts, point[None]]).T
+
+        def forward(x):  # each element moves in an input of its own
+            return jax.jvp(function, (x,), (jax.numpy.diag(point),))
+
+        def backward(x):
+            value, pull = jax.vjp(function, x)
+            slopes = jax.vmap(lambda row: pull(row)[0])(jax.numpy.eye(value.size))
+            return value[:, None], slopes * point
+
         with lf.float64():
             values = np.asarray(function(moved))
-            slope, value = compiled(jax.vmap(mode(twice, has_aux=True)))(point[None])
-        np.testing.assert_allclose(value[0], values[:, -1], rtol=1e-12)
+            if reverse:
+                value, slope = compiled(backward)(point)
+            else:
+                value, slope = compiled(forward)(np.repeat(point[:, None], point.size, 1))
+        np.testing.assert_allclose(value, np.broadcast_to(values[:, -1:], value.shape), rtol=1e-12)
         differences = (values[:, : point.size] - values[:, point.size : -1]) / 2e-5
-        np.testing.assert_allclose(slope[0] * point, differences, rtol=rtol, atol=atol)
+        np.testing.assert_allclose(slope, differences, rtol=rtol, atol=atol)
 
     return require
 

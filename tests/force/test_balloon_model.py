@@ -143,7 +143,7 @@ def outcomes(x, closed):
 
 @pytest.mark.parametrize("closed", [False, True])
 def test_derivatives_jit_and_vmap(require_derivatives, closed):
-    require_derivatives(lambda x: outcomes(x, closed), POINT, 5e-6, 5e-8, mode=jax.jacfwd)
+    require_derivatives(lambda x: outcomes(x, closed), POINT, 5e-6, 5e-8)
 
 
 def test_levitation_irradiance_has_a_gradient(compiled):

@@ -13,22 +13,24 @@ from lightflyer.core.units import parse, scale_and_offset
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 RADIATION = lf.environment.Radiation
 
-ABSURD = {
-    "chamber of 1e6 K": lambda: lf.Chamber(temperature=1e6),
-    "1e12 Pa": lambda: lf.Chamber().state(1e12),
-    "1e30 m": lambda: lf.Disk(FILM, 1e30),
-    "1e-30 m": lambda: lf.Disk(FILM, 1e-30),
-    "1e30 W/m²": lambda: RADIATION(1e30),
-    "payload of 1e6 kg": lambda: lf.Disk(FILM, 0.01, payload=1e6),
-    "film of 1e-12 kg/m²": lambda: lf.FilmProperties(1e-12, 0.7, 0.1, 0.1, 0.8, 0.9),
-    "an array with one": lambda: lf.Disk(FILM, np.array([0.01, 1e30])),
-}
 
-
-@pytest.mark.parametrize("make", ABSURD.values(), ids=ABSURD.keys())
-def test_constructors_refuse_with_the_limit_and_its_reason(make):
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: lf.Chamber(temperature=1e6), ""),
+        (lambda: lf.Chamber().state(1e12), ""),
+        (lambda: lf.Disk(FILM, 1e30), "must be at most 10000 m: atoms are larger"),
+        (lambda: lf.Disk(FILM, 1e-30), "must be at least 1e-10 m: "),
+        (lambda: lf.Disk(FILM, np.array([0.01, 1e30])), "must be at most 10000 m: "),
+        (lambda: RADIATION(1e30), "must be at most 1e+08 W/m^2: the surface of the sun"),
+        (lambda: lf.Disk(FILM, 0.01, payload=1e6), "must be at most 10000 kg: no flyer carries"),
+        (lambda: lf.FilmProperties(1e-12, 0.7, 0.1, 0.1, 0.8, 0.9), ""),
+    ],
+)
+def test_constructors_refuse_with_the_limit_and_its_reason(make, message):
     with pytest.raises(lf.ParameterError, match=r"must be at (most|least) \S+ \S+: \w+") as caught:
         make()
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -36,25 +38,13 @@ def test_constructors_refuse_with_the_limit_and_its_reason(make):
     ("old", "new", "message"),
     [
         ('diameter = "2 cm"', 'diameter = "1e30 m"', "must be at most 10000 m: atoms are larger"),
-        ('diameter = "2 cm"', 'diameter = "1e-20 cm"', "must be at least 1e-10 m"),
-        ('payload = "0 mg"', 'payload = "1e6 kg"', "must be at most 10000 kg: no flyer carries"),
-        (
-            'irradiance = "1361 W/m^2"',
-            'irradiance = "1e30 W/m^2"',
-            "must be at most 1e+08 W/m^2: the surface of the sun",
-        ),
-        ('tac_top = "0.80 ± 0.02"', 'tac_top = "0.8 ± 100"', "uncertainty must be at most 1.3"),
+        ("tac_top = 0.8", 'tac_top = "0.8 ± 100"', "uncertainty must be at most 1.3"),
     ],
 )
-def test_files_refuse_in_one_line(old, new, message, write):
-    from lightflyer.cli.commands.init import templates
-
-    text = re.sub(r"tac_top = \S+.*", 'tac_top = "0.80 ± 0.02"', templates()["earth"].read())
-    path = write(text, "flyer.toml", (old, new))
+def test_files_refuse_in_one_line(old, new, message, flyer_file):
     with pytest.raises(lf.ConfigurationError, match=re.escape(message)) as caught:
-        lf.read_flyer_file(path)
-    assert "\n" not in str(caught.value)
-    assert re.search(r"flyer.toml:\d+: ", str(caught.value))
+        lf.read_flyer_file(flyer_file(old, new))
+    assert re.search(r"flyer.toml:\d+: [^\n]*$", str(caught.value))
 
 
 def test_every_number_with_a_unit_has_plausible_sizes():

@@ -226,30 +226,3 @@ def test_coefficients_fitted_in_air_are_said_to_be(disk):
     for gas, count in ((lf.gas.US1976_AIR, 0), (NITROGEN, 1), (ARGON, 1)):
         found = lf.Lu2023().diagnostics(disk, lf.Chamber(gas=gas).state(3.0), 350.0)
         assert sum("fitted in air, and the gas is" in text for text in found) == count
-
-
-class Krypton(lf.gas.AbstractReferenceGas):
-    """A row of a user's own: atoms of Lennard-Jones, whose Eucken factor is 5/2."""
-
-    name = "krypton"
-    molecules = "monatomic"
-    transport = lf.gas.LemmonJacobsen(83.798, 0.3655, 178.9, 209.48, of_viscosity=0.3721, terms=())
-    correlations = lf.gas.Correlations(
-        transport.viscosity,
-        transport.conductivity,
-        lf.gas.IdealHeatCapacity((2.5,)),
-        ends=(120.0, 1500.0),
-    )
-    specific_gas_constant: float = 8314.462618 / 83.798
-    heat_capacity_ratio: float = 5.0 / 3.0
-
-
-def test_a_gas_of_ones_own_is_a_row():
-    # 25.6 µPa s and 9.5 mW/(m K) at 300 K in the CRC Handbook
-    krypton = Krypton()
-    assert krypton.viscosity(300.0) == pytest.approx(25.6e-6, rel=0.01)
-    assert krypton.conductivity(300.0) == pytest.approx(9.5e-3, rel=0.01)
-    assert krypton.eucken_factor(300.0) == pytest.approx(2.5, rel=1e-3)
-    disk = lf.Disk(lf.FilmProperties(1e-3, 0.9, 0.1, 0.1, tac_top=0.6, tac_bottom=0.9), 0.01)
-    state = lf.Chamber(temperature=300.0, gas=krypton).state(5.0)
-    assert lf.levitate(disk, state, lf.Kinetic()).irradiance > 0.0

@@ -97,7 +97,6 @@ def test_points_count_by_their_spread_along_the_slope_of_the_curve():
     assert abs(found / np.exp(np.sum(blunt * np.log(factor)) / np.sum(blunt)) - 1.0) > 0.01
 
 
-@pytest.mark.slow
 def test_the_interval_of_the_ratio_is_as_wide_as_one_is_off():
     """Vanes drawn from a stated one, with instruments and points that err as stated."""
     stated = lf.lab.Vane(
@@ -105,7 +104,7 @@ def test_the_interval_of_the_ratio_is_as_wide_as_one_is_off():
         ambient=Measured(296.0, 2.0), tac_hot=Measured(0.8, 0.03), tac_cold=Measured(0.8, 0.03),
     )  # fmt: skip
     rng, errors = np.random.default_rng(7), []
-    for _ in range(12):
+    for _ in range(8):
         wide, hot, cold, around, tac, gauge, balance = rng.standard_normal(7)
         true = lf.lab.Vane(
             Measured(0.12 + 0.001 * wide), Measured(419.0 + hot), Measured(394.0 + cold),
@@ -118,7 +117,8 @@ def test_the_interval_of_the_ratio_is_as_wide_as_one_is_off():
         low, high = ratio.interval
         errors.append(1.96 * (2.0 - low - high) / (high - low))  # in standard ones
     assert max(np.abs(errors)) < 4.0
-    assert np.sqrt(np.mean(np.square(errors))) < 1.6  # by chance 0.2 % are more
+    # the error of the force model, which no draw has, is in the interval
+    assert np.sqrt(np.mean(np.square(errors))) < 0.75
 
 
 def test_what_looks_wrong_is_said(tmp_path):

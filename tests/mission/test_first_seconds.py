@@ -124,18 +124,17 @@ def test_a_fall_from_thin_air_is_that_of_newtons_law(up, closed_form_disk, still
     assert np.ptp(after[:, -1]) > 1e3
 
 
-@pytest.mark.slow
 def test_a_velocity_that_is_uncertain_scatters_the_ensemble(closed_form_disk, still_air):
     """After one time constant of free flight members are where their velocities carried them."""
     spread, seconds = 20.0, 60.0
     flown = lf.fly(
         closed_form_disk(1e-2), still_air, lf.FreeMolecular(), duration=seconds,
         release=lf.Release("190 km", **PLACE, velocity=(0.0, 0.0, 500.0)),
-        ensemble=lf.mission.Ensemble(400, velocity=spread, drag=0.0, waves=0.0, seed=3),
+        ensemble=lf.mission.Ensemble(200, velocity=spread, drag=0.0, waves=0.0, seed=3),
     )  # fmt: skip
     metres = np.radians(flown.ensemble_end_latitude.values - 45.0) * 6.55e6
-    assert metres.std() == pytest.approx(spread * seconds, rel=0.12)  # 3.5 standard errors
-    assert flown.ensemble_end_altitude.values.std() == pytest.approx(spread * seconds, rel=0.12)
+    assert metres.std() == pytest.approx(spread * seconds, rel=0.17)  # 3.5 standard errors
+    assert flown.ensemble_end_altitude.values.std() == pytest.approx(spread * seconds, rel=0.17)
 
 
 def test_a_release_from_an_aircraft_is_soon_one_at_rest(disk):

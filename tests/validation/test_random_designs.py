@@ -8,8 +8,8 @@ from lightflyer.environment import EnvironmentState, Radiation
 from lightflyer.force import PRINTED, REPORTED
 from lightflyer.gas import LU2023_AIR
 
-DESIGNS = 10_000_000
-BATCH = 1_000_000
+DESIGNS = 4_000_000
+BATCH = 500_000
 
 
 def random_designs(rng, count):
@@ -36,7 +36,6 @@ def random_designs(rng, count):
     return lf.Disk(film, radius=spread(1e-4, 10.0)), state
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("reading", [REPORTED, PRINTED], ids=["reported", "printed"])
 def test_heat_balance(rng, reading):
     model = lf.Lu2023(reading=reading)
@@ -53,7 +52,6 @@ def test_heat_balance(rng, reading):
         np.testing.assert_allclose(lost, result.absorbed_power, rtol=1e-10)
 
 
-@pytest.mark.slow
 def test_levitation(rng):
     model = lf.Lu2023()
     disk, state = random_designs(rng, BATCH)

@@ -79,14 +79,8 @@ def force(
     if (tac_hot is None) != (tac_cold is None) or (tac is not None and tac_hot is not None):
         raise ConfigurationError("give either --tac, or both --tac-hot and --tac-cold")
     alike = tac_hot is None
-    of_hot, of_cold = (
-        ASSUMED_TAC if one is None else one
-        for one in ((tac, tac) if alike else (tac_hot, tac_cold))
-    )
-    vane = Vane(
-        diameter, hot, cold, GASES[gas], ambient,
-        of_hot, of_cold, alike, wall,
-    )  # fmt: skip
+    of_hot, of_cold = (one or ASSUMED_TAC for one in (tac_hot or tac, tac_cold or tac))
+    vane = Vane(diameter, hot, cold, GASES[gas], ambient, of_hot, of_cold, alike, wall)
     shown = gauge.build(vane.gas, ambient.value)
     points = None if file is None else read_forces(file, shown)
     stated = pressure_accuracy is not None

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from lightflyer.film.optics.stack import Film
     from lightflyer.lab.ftir.reduction import Ftir
+    from lightflyer.lab.readers.interpretation import MeasuredSpectrum
     from lightflyer.lab.result import Outcome
 
 _WAVENUMBERS = 1000  # of a computed spectrum
@@ -109,19 +110,20 @@ def ftir(
             "--update: transmittance alone gives only an upper bound of the emittance; add "
             "--reflectance"
         )
-    read = partial(read_spectrum, columns=columns, scale=scale)
+
+    def read(file: Path, **wanted: Any) -> "MeasuredSpectrum":
+        one = read_spectrum(file, columns=columns, scale=scale, **wanted)
+        if air is not None:
+            one = without_air(one, read_spectrum(air, quantity="transmittance"))
+        if straight_line is not None:
+            one = with_straight_lines(one, parse_ranges(straight_line))
+        return one
+
     spectra = [read(file, quantity="transmittance", spectrum=spectrum) for file in files]
     mirrors = [
         read(one, quantity="reflectance", spectrum=reflectance_spectrum, collection=collection)
         for one in ([] if reflectance is None else [reflectance])
     ]
-    for group in (spectra, mirrors):
-        for place, one in enumerate(group):
-            if air is not None:
-                one = without_air(one, read_spectrum(air, quantity="transmittance"))
-            if straight_line is not None:
-                one = with_straight_lines(one, parse_ranges(straight_line))
-            group[place] = one
     result = reduce_ftir(
         spectra, mirrors, band=band, temperatures=list(temperatures), accuracy=accuracy
     )

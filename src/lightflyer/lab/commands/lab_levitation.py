@@ -7,6 +7,8 @@ from lightflyer.core.errors import ConfigurationError
 from lightflyer.lab import options
 
 if TYPE_CHECKING:
+    from lightflyer.files.result_text import Parts
+    from lightflyer.lab.estimate import Estimate
     from lightflyer.lab.result import Outcome
 
 
@@ -78,8 +80,7 @@ def levitation(
     from lightflyer.calibration.gauge import pirani_doubts
     from lightflyer.files.table import same_text
     from lightflyer.gas import GASES
-    from lightflyer.lab.levitation import curve as curve_module
-    from lightflyer.lab.levitation.curve import curves_parts
+    from lightflyer.lab.levitation import curve as of_curve
     from lightflyer.lab.levitation.data import read_lift_offs
     from lightflyer.lab.result import Outcome, figures_by, require_distinct
 
@@ -97,16 +98,19 @@ def levitation(
         "pressure_accuracy": pressure_accuracy, "irradiance_accuracy": irradiance_accuracy
     }  # fmt: skip
     curves = [
-        curve_module.levitation_curve(
+        of_curve.levitation_curve(
             points, span=span, draws=draws, seed=seed + number, step=step or 0.0, **accuracies
         )
         for number, points in enumerate(lots)
     ]
+    document = of_curve.summary(curves)
+    doubts = pirani_doubts(gas, shown, accuracy_stated=pressure_accuracy is not None)
+    warnings = [*doubts, *document["warnings"]]
     models: dict[str, Any] = {}
-    fit = None
+    values: dict[tuple[str, str], Estimate] = {}
+    of_fit: Parts = ()
     if flyer is not None:
         from lightflyer.config.reader import read_flyer_file
-        from lightflyer.lab.levitation.curve import calibrate_curves, model_curve
 
         file = read_flyer_file(flyer)
         setups = {"model": file.build()}
@@ -115,39 +119,29 @@ def levitation(
                 f"{flyer}: levitation points need a chamber as the environment"
             )
         if calibrate:
-            fit = calibrate_curves(
+            fit = of_curve.calibrate_curves(
                 curves, file, keep_ground_effect=keep_ground_effect, **accuracies
             )
             setups["calibrated model"] = fit.setup
+            found = of_curve.measured_coefficients(fit)
+            values = {("force", name): one for name, one in found.items()}
+            document["calibration"], of_fit = fit.summary(), fit_parts(fit)
+            warnings = list(dict.fromkeys([*warnings, *fit.warnings]))
         models = {
-            name: {curve.points.name: model_curve(curve.points, one) for curve in curves}
+            name: {curve.points.name: of_curve.model_curve(curve.points, one) for curve in curves}
             for name, one in setups.items()
         }
-    document = curve_module.summary(curves)
-    doubts = pirani_doubts(gas, shown, accuracy_stated=pressure_accuracy is not None)
-    warnings = [*doubts, *document["warnings"]]
-    values = {}
-    if fit is not None:
-        from lightflyer.lab.levitation.curve import measured_coefficients
-
-        values = {("force", name): one for name, one in measured_coefficients(fit).items()}
-        document["calibration"] = fit.summary()
-        warnings = list(dict.fromkeys([*warnings, *fit.warnings]))
-
     return Outcome(
         document,
-        curve_module.to_dataset(curves, [table.source for table in tables]),
-        [
-            *curves_parts(curves), *map(str, curve_module.compare(curves)),
-            *(() if fit is None else fit_parts(fit)),
-        ],
+        of_curve.to_dataset(curves, [table.source for table in tables]),
+        [*of_curve.curves_parts(curves), *map(str, of_curve.compare(curves)), *of_fit],
         read=tables,
         warnings=warnings,
         figures=figures_by(
             "levitation.figures:levitation_figures", curves, pressure_unit=pressure_unit,
             models=models,
         ),
-        tables=curve_module.tables(curves),
+        tables=of_curve.tables(curves),
         values=values,
         sources=files,
     )  # fmt: skip

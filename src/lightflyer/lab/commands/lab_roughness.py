@@ -68,21 +68,17 @@ def roughness(
     from lightflyer.lab.surface.reduction import roughness as roughness_of
 
     if list_channels:
-        found = {str(file): channels_of(file) for file in files}
         from lightflyer.lab.result import Listing
 
-        lines = []
-        for name, channels in found.items():
-            lines.append(f"{name}:")
+        lines, listing, fields = [], {}, ("name", "unit", "is_height")
+        for file in files:
+            channels = channels_of(file)
+            listing[str(file)] = [{key: getattr(one, key) for key in fields} for one in channels]
+            lines.append(f"{file}:")
             for one in channels:
                 rows, columns = one.shape
                 about = f"{columns} x {rows} pixels{'' if one.is_height else ', not a height'}"
                 lines.append(f"  {one.description}: {about}")
-        fields = ("name", "unit", "is_height")
-        listing = {
-            name: [{field: getattr(one, field) for field in fields} for one in channels]
-            for name, channels in found.items()
-        }
         return Listing(listing, lines)
     where: Any = mask if mask in ("auto", "none") else read_mask(Path(mask))
     if mask != "auto" and threshold != THRESHOLD:

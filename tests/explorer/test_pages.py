@@ -375,23 +375,9 @@ def test_mission_is_drawn_with_its_nights(workplace, document, monkeypatch):
 
 
 PIECES = [
-    *(
-        "",
-        " ",
-        "0",
-        "-1",
-        "1e400",
-        "nan",
-        "2 cm",
-        "2 ± 3 cm",
-        "±",
-        "²",
-        "\x00",
-        "\ud800",
-        "[",
-        "{}",
-    ),
-    *("[", "{}", "a" * 3000, "2026-13-45", "true", None, True, 0, -1, 1e308, float("nan")),
+    *(["0", "-1", "1e400", "nan", "±", "²", "\x00", "[", "{}", "2026-13-45", "true"]),
+    *("", " ", "2 cm", "2 ± 3 cm", "\ud800", "a" * 3000),
+    *(None, True, 0, -1, 1e308, float("nan")),
     *([], {}, [{}], {"a": 1}, ["x"], [None], [[[]]], {"a": {"b": None}}),
 ]
 

@@ -1,6 +1,5 @@
 """Formulas of n and k: causality by numerical integration, published parameters, flyer files."""
 
-import jax
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -114,20 +113,6 @@ def test_published_parameters_give_the_published_constants_of_amorphous_silicon(
     measured = film.material("main/Si/Pierce").index(wavelength)
     np.testing.assert_allclose(model.index(wavelength)[0], measured[0], rtol=0.04)
     np.testing.assert_allclose(model.index(wavelength)[1], measured[1], rtol=0.08)
-
-
-def test_derivatives_of_tauc_lorentz():
-    def real(numbers):
-        return TaucLorentz(*(one * EV for one in numbers)).permittivity(2.2 * EV)[0]
-
-    start = np.array([122.0, 3.45, 2.54, 1.2])
-    with lf.float64():
-        slope = np.asarray(jax.grad(real)(start))
-    for number in range(4):
-        step = np.zeros(4)
-        step[number] = 1e-5
-        difference = (real(start + step) - real(start - step)) / 2e-5
-        assert slope[number] == pytest.approx(difference, rel=1e-6)
 
 
 def test_cauchy_of_units_in_texts():

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.array import tree
 
 SIGMA = 5.670374419e-8
 CUBIC_FOOT = 0.3048**3  # [m³]
@@ -185,9 +184,7 @@ def test_impossible_numbers_raise(changed, message):
 
 def test_tilt_turns_the_opening():
     """An opening that faces the sun lets its light in."""
-    tilted = tree.replace_at(
-        lambda flyer: flyer.attitude, balloon_of(), lf.environment.Attitude(np.pi),
-    )  # fmt: skip
+    tilted = balloon_of(attitude=lf.environment.Attitude(np.pi))
     state = state_at(irradiance=1000.0)
     hole = 0.6**2 / 36.0
     absorbed, _ = followed(((0.5, 0.3), (0.4, 0.3)), hole, (0.25, 1.0))

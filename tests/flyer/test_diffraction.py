@@ -54,17 +54,18 @@ def test_what_is_missing_goes_with_the_edge_of_a_channel():
     assert not list(narrow_channels(40e-6, 1.0, 250.0))
 
 
-def narrow_bodies():
-    clear = lf.FilmProperties(2e-4, 0.05, 0.1, 0.1, 0.8, 0.8, transmittance=0.9)
-    dark = lf.FilmProperties(3e-4, 0.9, 0.1, 0.1, 0.8, 0.8)
-    plate = lf.Plate(clear, dark, 4e-3, 10e-6, 500e-6, 50e-6, 100e-6, 50e-9, 1.8)
-    sphere = lf.HollowBody(clear, dark, 0.1, 0.02, 0.5, 10e-6, 10e-6, 5e-8, 1.8)
-    return {"plate": plate, "sphere": sphere}
+CLEAR = lf.FilmProperties(2e-4, 0.05, 0.1, 0.1, 0.8, 0.8, transmittance=0.9)
+DARK = lf.FilmProperties(3e-4, 0.9, 0.1, 0.1, 0.8, 0.8)
 
 
-@pytest.mark.parametrize("name", ["plate", "sphere"])
-def test_channels_of_a_wall_that_are_narrow(name):
-    flyer = narrow_bodies()[name]
+@pytest.mark.parametrize(
+    "flyer",
+    [
+        lf.Plate(CLEAR, DARK, 4e-3, 10e-6, 500e-6, 50e-6, 100e-6, 50e-9, 1.8),
+        lf.HollowBody(CLEAR, DARK, 0.1, 0.02, 0.5, 10e-6, 10e-6, 5e-8, 1.8),
+    ],
+)
+def test_channels_of_a_wall_that_are_narrow(flyer):
     (text,) = flyer.diagnostics(lf.Earth().state(np.array([60e3, 75e3])), 300.0)
     assert text.startswith("channels of 10 µm are narrow for heat radiation")
 

@@ -1,4 +1,3 @@
-import jax
 import numpy as np
 import pytest
 
@@ -55,21 +54,3 @@ def test_disk_geometry_and_mass(film):
     assert lf.statics.weight(disk, lf.Earth(gravity=10.0).state(0.0)) == pytest.approx(
         10 * disk.mass, abs=0.0
     )
-
-
-def test_bad_disks_raise(film):
-    with pytest.raises(lf.ParameterError, match="radius"):
-        lf.Disk(film, radius=-0.01)
-    with pytest.raises(lf.ParameterError, match="payload"):
-        lf.Disk(film, radius=0.01, payload=-1e-9)
-
-
-def test_objects_can_be_made_under_transformations():
-    def lifted(radius):
-        film = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, 0.8, 0.9)
-        return lf.lift(lf.Disk(film, radius), lf.lu2023_earth().state(72e3), lf.Lu2023())
-
-    radii = np.array([0.005, 0.01])
-    with lf.float64():
-        batch = jax.vmap(jax.jit(lifted))(radii)
-    np.testing.assert_allclose(batch, [lifted(radius) for radius in radii], rtol=1e-10)

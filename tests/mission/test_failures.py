@@ -37,16 +37,12 @@ def beyond():
     return fly(disk(limit=2000.0))
 
 
-def crossing(flight, limit=LIMIT):
-    """Time at which the flight is as hot as a limit."""
-    return float(np.interp(limit, flight["temperature"][:60], flight["elapsed"][:60]))
-
-
 @pytest.mark.parametrize("every", ["1 min", "1 h"])
 def test_a_flight_ends_where_its_film_is_too_hot(beyond, every):
     flown = fly(disk(), every=every)
     assert TerminationReason(int(flown.end_reason)) is TerminationReason.TOO_HOT
-    assert float(flown.end_elapsed) == pytest.approx(crossing(beyond), abs=0.1)
+    crossing = np.interp(LIMIT, beyond["temperature"][:60], beyond["elapsed"][:60])
+    assert float(flown.end_elapsed) == pytest.approx(crossing, abs=0.1)
     found = summarise(flown)
     assert found["film"] == {"bears_k": LIMIT, "hottest_k": pytest.approx(LIMIT, abs=1e-6)}
     assert found["end"] == "got hotter than its film withstands"

@@ -50,15 +50,10 @@ def test_an_area_holds_its_share_of_further_landings_whatever_they_are():
     for _ in range(25):  # two clouds, as of day and night
         every = generator.standard_normal((1000, 2))
         every[:, 1] += 6.0 * generator.integers(2, size=1000)
-        area, later = _holding_alone(every[:100]), every[100:]
-        away = (later - area[0]) @ np.linalg.inv(area[1])
+        area, later = _holding(every[:100], 0.95), every[100:]
+        away = (later - area.middle) @ np.linalg.inv(area.axes.T)
         held.append(np.mean(np.linalg.norm(away, axis=1) <= 1.0))
     assert np.mean(held) == pytest.approx(0.95, abs=0.015)
-
-
-def _holding_alone(points):
-    found = _holding(points, 0.95)
-    return found.middle, found.axes.T
 
 
 def test_a_volume_of_a_gaussian_cloud_is_that_of_the_closed_form():

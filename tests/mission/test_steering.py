@@ -42,15 +42,6 @@ def station():
     return Circle(20.2, -179.9, "60 km")
 
 
-def lift_table(disk, surroundings):
-    """Lift over altitude and share of light, from statics at lights of their own."""
-    altitudes, shares = np.linspace(50e3, 95e3, 181), np.linspace(0.0, 1.0, 41)
-    light = lf.environment.sunlight(1361.0 * shares, 0.3)
-    dimmed = type(surroundings)(light).state(altitudes[:, None])
-    lit = lf.lift(disk, dimmed, lf.FreeMolecular())
-    return RectBivariateSpline(altitudes, shares, lit, kx=3, ky=3)
-
-
 def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(
     closed_form_disk, lit_air, station
 ):
@@ -61,7 +52,11 @@ def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(
         disk, air, lf.FreeMolecular(), release=Release("75 km", **RELEASE),
         duration=times[-1], every=900.0, attitude=rule,
     )  # fmt: skip
-    lift = lift_table(disk, air)
+    # over altitude and share of light, from statics at lights of their own
+    altitudes, shares = np.linspace(50e3, 95e3, 181), np.linspace(0.0, 1.0, 41)
+    dimmed = type(air)(lf.environment.sunlight(1361.0 * shares, 0.3)).state(altitudes[:, None])
+    lit = lf.lift(disk, dimmed, lf.FreeMolecular())
+    lift = RectBivariateSpline(altitudes, shares, lit, kx=3, ky=3)
     target = np.array([station.latitude, station.longitude], float) * DEGREE
     mass = float(disk.mass)
 
@@ -277,11 +272,6 @@ def test_a_rule_of_ones_own_flies_and_so_does_an_ensemble_of_it(closed_form_disk
     assert np.all(members < 7200.0)
 
 
-def own_rule(**methods):
-    """A rule of a user's own, some of whose methods are others."""
-    return type("Mine", (Daytime,), methods)()
-
-
 @pytest.mark.parametrize(("methods", "said"), [
     ({"light": lambda self, moment: 2.0}, "Mine.light gives 2.0; it is one number from 0 to 1"),
     ({"light": lambda self, moment: np.nan}, "Mine.light gives nan"),
@@ -295,7 +285,7 @@ def test_a_rule_that_serves_no_flight_is_named(closed_form_disk, lit_air, method
     with pytest.raises(lf.ParameterError, match=said):
         lf.fly(
             closed_form_disk(2e-3), lit_air(), lf.FreeMolecular(), duration="1 h",
-            release=Release("75 km", **RELEASE), attitude=own_rule(**methods),
+            release=Release("75 km", **RELEASE), attitude=type("Mine", (Daytime,), methods)(),
         )  # fmt: skip
 
 

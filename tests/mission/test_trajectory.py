@@ -31,14 +31,6 @@ def vector(latitude, longitude):
         return np.asarray(unit_vector(latitude, longitude))
 
 
-def to_pole(start):
-    """A rotation that turns a place to the pole."""
-    here = vector(*start)
-    across = np.cross(here, [0.0, 0.0, 1.0])
-    angle = np.arccos(here[2])
-    return Rotation.from_rotvec(angle * across / np.linalg.norm(across)).as_matrix()
-
-
 def place_of(unit):
     return np.arctan2(unit[2], np.hypot(unit[0], unit[1])), np.arctan2(unit[1], unit[0])
 
@@ -96,7 +88,9 @@ def test_sinking_without_lift_is_that_of_scipy_and_another_atmosphere(flown, fal
 
 def test_no_place_is_special_when_sun_and_air_are_turned_as_well(sky, closed_form_disk):
     here, step, count = (0.3, 0.2), 900.0, 24
-    turns = np.stack([np.eye(3), TURN, to_pole(here)])
+    axis = np.cross(vector(*here), [0.0, 0.0, 1.0])  # about which the place turns to the pole
+    to_pole = Rotation.from_rotvec((0.5 * np.pi - here[0]) * axis / np.linalg.norm(axis))
+    turns = np.stack([np.eye(3), TURN, to_pole.as_matrix()])
     starts = [released(place_of(turn @ vector(*here))) for turn in turns]
     laws = [
         Balanced(

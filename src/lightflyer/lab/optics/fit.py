@@ -277,19 +277,15 @@ def fit_optics(
 def _other_delta(sample: OpticsSample, fit: FilmFit, starts: int, seed: int) -> list[Doubt]:
     """What Δ is, where S does not fit as it stands, but with the other sign or without its sign."""
     found = []
-    readings = dict(zip(map(id, sample.spectra), fit.problem.readings(fit.best), strict=True))
-    for one in sample.spectra:
+    readings = fit.problem.readings(fit.best)
+    for at, one in enumerate(sample.spectra):
         sine = one.spectrum.value
-        if one.spectrum.quantity != "S" or not is_off(one, sine - readings[id(one)]):
+        if one.spectrum.quantity != "S" or not is_off(one, sine - readings[at]):
             continue
         turned = replace(one, spectrum=replace(one.spectrum, value=-sine))
         others = tuple(turned if other is one else other for other in sample.spectra)
-        again = search(
-            FilmProblem.of(replace(sample, spectra=others), fit.problem.model),
-            starts=starts,
-            seed=seed,
-        )
-        at = sample.spectra.index(one)
+        problem = FilmProblem.of(replace(sample, spectra=others), fit.problem.model)
+        again = search(problem, starts=starts, seed=seed)
         if not is_off(one, sine + again.problem.readings(again.best)[at]):
             found.append(Doubt(
                 f"{one.where[0]}: Δ has the other sign: the film fits with -S, not with S; write "
@@ -326,11 +322,9 @@ def _predictions(fit: FilmFit, covariance: np.ndarray) -> tuple[dict[str, Estima
             diagnostics.append(f"no {name}: {error}")
             continue
         slopes = []  # in the free numbers, by differences within the bounds
-        for number, step in enumerate(steps):
-            ends = [centre.copy(), centre.copy()]
-            ends[0][number] = max(centre[number] - step, 0.0)
-            ends[1][number] = min(centre[number] + step, 1.0)
-            apart = (ends[1][number] - ends[0][number]) * model.widths[number]
+        for step in np.diag(steps):
+            ends = np.clip([centre - step, centre + step], 0.0, 1.0)
+            apart = float((ends[1] - ends[0]) @ model.widths)
             low, high = (float(average(model.film(end)).value) for end in ends)
             slopes.append((high - low) / apart if apart > 0.0 else 0.0)
         spread = float(np.sqrt(np.array(slopes) @ covariance @ slopes))

@@ -260,3 +260,15 @@ def test_a_mistake_in_a_hollow_body_is_one_line(refuses, file_of):
     assert errors.strip().splitlines() == [
         f"lightflyer: error: {path}:6: [flyer]: the outlet must be smaller than the sphere"
     ]
+
+
+def test_a_study_names_the_flyer_that_it_needs(prints, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    needed = {
+        "sweep": "",
+        "optimise-film": " --kind layers",
+        "optimise-structure": " --kind ligaments",
+    }
+    for kind, given in needed.items():
+        text = prints("init", f"{kind}.toml", "--kind", kind)
+        assert f"it needs a flyer file: lightflyer init flyer.toml{given}\n" in text

@@ -57,6 +57,7 @@ _OTHERS = {
         ("calibrate {} --out fit", "lab levitation {} --out levitation"),
     ),
 }
+_FLYERS = {"optimise-film": " --kind layers", "optimise-structure": " --kind ligaments"}
 _FIRST = "earth"
 _LADEN = (
     ("the 2-cm germanium-coated mylar disk", "a 5-mm germanium-coated mylar disk"),
@@ -158,6 +159,7 @@ def init(
     console.print(f"wrote {path}", soft_wrap=True)
     flyer = path.parent / "flyer.toml"
     if template.source.startswith("study-") and not flyer.exists():
-        console.print(f"it needs a flyer file: lightflyer init {flyer}", soft_wrap=True)
+        command = f"lightflyer init {flyer}{_FLYERS.get(kind, '')}"
+        console.print(f"it needs a flyer file: {command}", soft_wrap=True)
     for command in template.following:
         console.print(f"next: lightflyer {command.format(path)}", soft_wrap=True)

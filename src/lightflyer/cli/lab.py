@@ -183,7 +183,7 @@ def summary_command(
     from lightflyer.core.errors import ConfigurationError
     from lightflyer.files.result_text import table_of
     from lightflyer.lab.collection import collect_records, table_text
-    from lightflyer.lab.optics.fit import in_display_unit
+    from lightflyer.lab.optics.record import in_display_unit
 
     def interval(one: Any) -> str:
         low, high = one.interval

@@ -27,7 +27,7 @@ from lightflyer.film.optics.stack import Film
 from lightflyer.lab.estimate import NORMAL_FACTOR, Estimate
 from lightflyer.lab.optics.data import FilmSpectrum, OpticsSample
 from lightflyer.lab.optics.model import FilmProblem, OpticalModel, select_covered
-from lightflyer.lab.optics.record import diagnose, display_unit, is_off
+from lightflyer.lab.optics.record import diagnose, in_display_unit, is_off
 from lightflyer.lab.optics.search import STARTS, FilmFit, Scatter, intervals, search
 from lightflyer.lab.readers.interpretation import PER_CENTIMETRE
 from lightflyer.lab.result import (
@@ -395,10 +395,3 @@ def to_dataset(result: OpticsFit) -> "xr.Dataset":
         [one.measured.spectrum.source for one in result.spectra], warnings=result.warnings,
         free_numbers=", ".join(result.numbers),
     )  # fmt: skip
-
-
-def in_display_unit(one: Estimate) -> Estimate:
-    """The estimate in the unit that people write such numbers of films in."""
-    scale, unit = display_unit(one.unit)
-    low, high = one.interval
-    return Estimate(one.value / scale, (low / scale, high / scale), unit)

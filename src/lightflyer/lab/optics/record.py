@@ -74,11 +74,7 @@ def update_layers(
     document: Any = tomlkit.parse(read_text(path))
     table, lines, written = document["film"], [], []
     for name, estimate in fit.numbers.items():
-        scale, unit = display_unit(estimate.unit)
-        low, high = estimate.interval
-        spread = (estimate.uncertainty or 0.0) / scale
-        written_as = Estimate(estimate.value / scale, (low / scale, high / scale), unit, spread)
-        text = measured_text(written_as, _DIGITS)
+        text = measured_text(in_display_unit(estimate), _DIGITS)
         for alias in _aliases(fit.sample, name):
             *sections, key = alias.split(".")
             part = table
@@ -93,7 +89,7 @@ def update_layers(
         value = float(np.clip(fit.correlation[row, column], -1.0, 1.0))
         if abs(value) >= _LEAST:
             entries.append({"of": [first, other], "value": round(value, _KEPT)})
-    ours = {alias for name in names for alias in _aliases(fit.sample, name)}
+    ours = {alias for alias, _ in full}
     kept = [one for one in table.get("correlated", []) if ours.isdisjoint(map(str, one["of"]))]
     if kept or entries:
         table["correlated"] = [*kept, *entries]
@@ -261,3 +257,11 @@ def amount_text(value: float, unit: str) -> str:
 def display_unit(unit: str) -> tuple[float, str]:
     """Unit that people write an SI unit's numbers of films in, with its size."""
     return _WRITTEN.get(unit, (1.0, unit))
+
+
+def in_display_unit(one: Estimate) -> Estimate:
+    """The estimate in the unit that people write such numbers of films in."""
+    scale, unit = display_unit(one.unit)
+    low, high = one.interval
+    spread = (one.uncertainty or 0.0) / scale
+    return Estimate(one.value / scale, (low / scale, high / scale), unit, spread)

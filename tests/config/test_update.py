@@ -28,27 +28,28 @@ def test_keeps_comments_and_says_where_from(flyer_file):
 
 
 def test_emittance_of_one_face_splits_that_of_both(flyer_file):
-    path = flyer_file()
-    update_flyer_file(path, dict.fromkeys(emittance_keys("bottom"), VALUE), "x")
-    film = tomllib.loads(path.read_text(encoding="utf-8"))["film"]
-    assert film["emittance_bottom"] == "0.903 ± 0.031"
-    assert film["emittance_top"] == 0.08
-    assert "emittance" not in film
-    update_flyer_file(path, dict.fromkeys(emittance_keys("both"), VALUE), "x")
-    assert read_flyer_file(path).film.emittance.value == 0.903
-
-
-def test_a_split_keeps_comment_and_origin(flyer_file):
+    """Comment and origin go with it."""
     path = flyer_file("# per face", "# mylar too")
-    update_flyer_file(path, dict.fromkeys(emittance_keys("both"), VALUE), "one")
-    update_flyer_file(path, dict.fromkeys(emittance_keys("bottom"), VALUE), "two")
-    lines = {line.split(" ")[0]: line for line in path.read_text(encoding="utf-8").splitlines()}
-    assert "# mylar too; measured: one, 20" in lines["emittance_top"]
-    assert "# mylar too; measured: two, 20" in lines["emittance_bottom"]
-    assert "one" not in lines["emittance_bottom"]
-    update_flyer_file(path, dict.fromkeys(emittance_keys("both"), VALUE), "three")
+    update_flyer_file(path, dict.fromkeys(emittance_keys("bottom"), VALUE), "one")
     text = path.read_text(encoding="utf-8")
-    assert '\nemittance = "0.903 ± 0.031"  # mylar too; measured: three, 20' in text
+    film, lines = (
+        tomllib.loads(text)["film"],
+        {line.split(" ")[0]: line for line in text.split("\n")},
+    )
+    assert (film["emittance_top"], film["emittance_bottom"]) == (0.08, "0.903 ± 0.031")
+    assert "emittance" not in film
+    assert lines["emittance_top"].endswith("# mylar too")
+    assert "# mylar too; measured: one, 20" in lines["emittance_bottom"]
+    update_flyer_file(path, dict.fromkeys(emittance_keys("both"), VALUE), "two")
+    assert read_flyer_file(path).film.emittance.value == 0.903
+    update_flyer_file(path, dict.fromkeys(emittance_keys("bottom"), VALUE), "three")
+    lines = {line.split(" ")[0]: line for line in path.read_text("utf-8").splitlines()}
+    assert "# mylar too; measured: two, 20" in lines["emittance_top"]
+    assert "# mylar too; measured: three, 20" in lines["emittance_bottom"]
+    assert "two" not in lines["emittance_bottom"]
+    update_flyer_file(path, dict.fromkeys(emittance_keys("both"), VALUE), "four")
+    text = path.read_text(encoding="utf-8")
+    assert '\nemittance = "0.903 ± 0.031"  # mylar too; measured: four, 20' in text
 
 
 def test_impossible_value_leaves_the_file(flyer_file):

@@ -121,14 +121,22 @@ def test_bands_are_those_that_the_samples_of_the_command_have(workplace, uncerta
     assert "500 samples" in found["note"]
 
 
-def test_verdict_is_that_of_the_command(workplace, tmp_path, run, prints):
+def test_verdict_is_that_of_the_command(workplace, document, tmp_path, run, prints):
     """A flyer whose film survives in a third of the samples is no flyer that survives."""
+    shown = pages.ANSWERS["predict"](workplace, {"document": document})["verdict"]
+    own = prediction_of(workplace.design(document))
+    assert shown["state"] == ("flies" if own.verdict.survives else "hot")
+    assert shown["lines"] == list(verdict_lines(own))[1:]
+    document["flyer"]["diameter"] = "50 cm"
+    heavy = pages.ANSWERS["predict"](workplace, {"document": document})["verdict"]
+    assert heavy["state"] == "not"
+    assert heavy["lines"][0].startswith("It does not fly")
     run("init", tmp_path / "laden.toml", "--kind", "laden")
     printed = prints("predict", tmp_path / "laden.toml")
-    document = tomllib.loads((tmp_path / "laden.toml").read_text(encoding="utf-8"))
-    first = pages.ANSWERS["predict"](workplace, {"document": document})["verdict"]
+    laden = tomllib.loads((tmp_path / "laden.toml").read_text(encoding="utf-8"))
+    first = pages.ANSWERS["predict"](workplace, {"document": laden})["verdict"]
     assert first["state"] == "unsure"  # until samples say more
-    found = job("bands", workplace, document)["verdict"]
+    found = job("bands", workplace, laden)["verdict"]
     assert found["state"] == "unsure"
     assert " ".join(found["lines"]) in " ".join(printed.split())
 
@@ -185,17 +193,6 @@ def test_force_models_side_by_side_are_those_of_compare(workplace, document, mon
     assert min(value for value in lines["ys"][0] if value) == pytest.approx(own, rel=1e-2)
 
 
-def test_the_verdict_is_that_of_the_command_line(workplace, document):
-    shown = pages.ANSWERS["predict"](workplace, {"document": document})["verdict"]
-    own = prediction_of(workplace.design(document))
-    assert shown["state"] == ("flies" if own.verdict.survives else "hot")
-    assert shown["lines"] == list(verdict_lines(own))[1:]
-    document["flyer"]["diameter"] = "50 cm"
-    heavy = pages.ANSWERS["predict"](workplace, {"document": document})["verdict"]
-    assert heavy["state"] == "not"
-    assert heavy["lines"][0].startswith("It does not fly")
-
-
 def test_a_mission_begins_where_the_flyer_carries_most_under_the_sun(workplace, document):
     asked = {"document": document, "section": "mission", "tag": "given"}
     given = pages.ANSWERS["switch"](workplace, asked)["document"]
@@ -247,28 +244,24 @@ def test_film_of_measured_numbers_says_that_it_has_no_spectrum(workplace, docume
         job("film", workplace, document)
 
 
-def test_points_are_where_their_reader_has_them(workplace, document, points_file):
-    document["environment"] = {
-        "kind": "chamber", "temperature": "293 K", "irradiance": "1500 W/m^2",
-    }  # fmt: skip
+@pytest.mark.parametrize("over_altitude", [True, False])
+def test_points_are_where_their_reader_has_them(workplace, document, points_file, over_altitude):
+    """Over altitude, where the air has their pressure."""
+    if not over_altitude:
+        document["environment"] = {
+            "kind": "chamber", "temperature": "293 K", "irradiance": "1500 W/m^2",
+        }  # fmt: skip
     found = pages.points(workplace, points_file.read_text(), "mine.csv", document)
     samples, _ = read_lift_offs(points_file)
     pressure = np.concatenate([one.pressure for one in samples])
-    np.testing.assert_allclose(sorted(found["columns"]["x"]), np.sort(pressure), rtol=1e-12)
+    places = np.array(found["columns"]["x"])
+    if over_altitude:
+        np.testing.assert_allclose(lf.Earth().state(1e3 * places).pressure, pressure, rtol=1e-3)
+        assert any("altitude whose pressure" in text for text in found["warnings"])
+    else:
+        np.testing.assert_allclose(np.sort(places), np.sort(pressure), rtol=1e-12)
     assert "mine.csv" in found["words"]
     assert str(points_file) not in json.dumps(found)
-
-
-def test_points_over_altitude_are_where_the_air_has_their_pressure(
-    workplace, document, points_file
-):
-    found = pages.points(workplace, points_file.read_text(), "mine.csv", document)
-    air = lf.Earth().state(1e3 * np.array(found["columns"]["x"]))
-    samples, _ = read_lift_offs(points_file)
-    np.testing.assert_allclose(
-        air.pressure, np.concatenate([s.pressure for s in samples]), rtol=1e-3
-    )
-    assert any("altitude whose pressure" in text for text in found["warnings"])
 
 
 def test_pinned_designs_show_what_differs(workplace, document):

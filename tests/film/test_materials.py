@@ -35,11 +35,6 @@ def test_published_values():
     assert n == pytest.approx(4.0, abs=0.05)
 
 
-def test_outside_the_range_is_an_error_that_names_it():
-    with pytest.raises(lf.ParameterError, match=r"PET has no data at 0\.3 µm, only from 0\.4 µm"):
-        material("PET").index(np.array([0.5e-6, 0.3e-6]))
-
-
 def test_extrapolation_is_a_choice():
     ends = [2e-7, 25e-6]
     inside = [0.4e-6, 19.942e-6]

@@ -60,15 +60,10 @@ def test_a_polygon_turned_as_a_whole_has_the_same_places(everywhere):
     turn = Rotation.from_euler("xyz", [70.0, 35.0, 160.0], degrees=True)
     square = [(10.0, 10.0), (10.0, 30.0), (35.0, 30.0), (35.0, 10.0)]
     units = [Rotation.from_euler("zy", [east, -north], degrees=True) for north, east in square]
-    corners = [turn.apply(unit.inv().apply([1.0, 0.0, 0.0], inverse=True)) for unit in units]
-    turned = Polygon(
-        [np.degrees(np.arcsin(corner[2])) for corner in corners],
-        [np.degrees(np.arctan2(corner[1], corner[0])) for corner in corners],
-    )
-    upright = [unit.inv().apply([1.0, 0.0, 0.0], inverse=True) for unit in units]
-    before = Polygon(
-        [np.degrees(np.arcsin(corner[2])) for corner in upright],
-        [np.degrees(np.arctan2(corner[1], corner[0])) for corner in upright],
+    upright = np.array([unit.inv().apply([1.0, 0.0, 0.0], inverse=True) for unit in units])
+    before, turned = (
+        Polygon(np.degrees(np.arcsin(z)), np.degrees(np.arctan2(y, x)))
+        for x, y, z in (upright.T, turn.apply(upright).T)
     )
     inside = before.contains(everywhere, RADIUS)
     assert inside.sum() > 100

@@ -26,6 +26,19 @@ DEGREE = np.pi / 180.0
 RELEASE = {"latitude": 20.0, "longitude": 179.9, "time": "2026-06-21T12:00Z"}
 
 
+@pytest.fixture
+def fly(closed_form_disk, lit_air):
+    """Fly a disk of 2 mm under a sun that stands still."""
+
+    def flown(duration, wind=None, flyer=None, altitude="75 km", **options):
+        return lf.fly(
+            flyer or closed_form_disk(2e-3), lit_air(wind), lf.FreeMolecular(), duration=duration,
+            release=Release(altitude, **RELEASE), **options,
+        )  # fmt: skip
+
+    return flown
+
+
 class Shear(AbstractWind):
     """Wind that turns with altitude."""
 
@@ -43,15 +56,12 @@ def station():
 
 
 def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(
-    closed_form_disk, lit_air, station
+    closed_form_disk, lit_air, station, fly
 ):
     disk, air, hours = closed_form_disk(2e-3, inertia=0.0), lit_air(Shear()), 8.0
     rule = lf.mission.Shaded(lf.mission.ChooseWind(station, "66 km", "78 km", ahead="2 h"))
     times = np.linspace(0.0, 3600.0 * hours, 33)
-    flown = lf.fly(
-        disk, air, lf.FreeMolecular(), release=Release("75 km", **RELEASE),
-        duration=times[-1], every=900.0, attitude=rule,
-    )  # fmt: skip
+    flown = fly(times[-1], Shear(), disk, every=900.0, attitude=rule)
     # over altitude and share of light, from statics at lights of their own
     altitudes, shares = np.linspace(50e3, 95e3, 181), np.linspace(0.0, 1.0, 41)
     dimmed = type(air)(lf.environment.sunlight(1361.0 * shares, 0.3)).state(altitudes[:, None])
@@ -107,13 +117,10 @@ def test_choosing_the_wind_is_what_plain_numpy_makes_of_the_rule(
     assert 0.0 < float(flown.light_share.min()) < 0.9
 
 
-def test_a_shaded_flyer_rests_where_it_lets_in_what_lifts_it(closed_form_disk, lit_air):
+def test_a_shaded_flyer_rests_where_it_lets_in_what_lifts_it(closed_form_disk, lit_air, fly):
     disk, air = closed_form_disk(2e-3), lit_air()
     rule = lf.mission.Shaded(lf.mission.HoldAltitude("72 km", width="400 m"))
-    flown = lf.fly(
-        disk, air, lf.FreeMolecular(), release=Release("75 km", **RELEASE), duration="8 h",
-        attitude=rule,
-    )  # fmt: skip
+    flown = fly("8 h", attitude=rule)
     end = float(flown.end_altitude)
     assert abs(end - 72e3) < 200.0
     assert abs(float(flown.vertical_speed[-1])) < 1e-3
@@ -124,15 +131,9 @@ def test_a_shaded_flyer_rests_where_it_lets_in_what_lifts_it(closed_form_disk, l
     assert float(flown.irradiance[-1]) == 1361.0  # what there is, not what is let in
 
 
-def test_shade_and_errors_of_the_drag_hold_with_inertia_too(closed_form_disk, lit_air):
-    flights = [
-        lf.fly(
-            closed_form_disk(2e-3), lit_air(), lf.FreeMolecular(), duration="1 h",
-            release=Release("75 km", **RELEASE), inertia=inertia,
-            attitude=lf.mission.Shaded(lf.mission.HoldAltitude("74 km", width="500 m")),
-        )
-        for inertia in (None, lf.mission.Inertia())
-    ]  # fmt: skip
+def test_shade_and_errors_of_the_drag_hold_with_inertia_too(fly):
+    rule = lf.mission.Shaded(lf.mission.HoldAltitude("74 km", width="500 m"))
+    flights = [fly("1 h", inertia=one, attitude=rule) for one in (None, lf.mission.Inertia())]
     assert float(flights[0].end_altitude) < 74.5e3
     assert "shading" not in flights[0].warnings
     assert float(flights[1].end_altitude) == pytest.approx(float(flights[0].end_altitude), abs=1.0)
@@ -142,12 +143,8 @@ def test_shade_and_errors_of_the_drag_hold_with_inertia_too(closed_form_disk, li
 
 
 @pytest.mark.parametrize(("altitude", "some"), [("95 km", "all"), ("40 km", "none")])
-def test_shading_that_changes_nothing_is_said(closed_form_disk, lit_air, altitude, some):
-    flown = lf.fly(
-        closed_form_disk(2e-3), lit_air(), lf.FreeMolecular(), duration="10 min",
-        release=Release("75 km", **RELEASE),
-        attitude=lf.mission.Shaded(lf.mission.HoldAltitude(altitude)),
-    )  # fmt: skip
+def test_shading_that_changes_nothing_is_said(fly, altitude, some):
+    flown = fly("10 min", attitude=lf.mission.Shaded(lf.mission.HoldAltitude(altitude)))
     assert f"the flyer lets in {some} of the light throughout" in flown.warnings
 
 
@@ -176,16 +173,13 @@ def test_members_have_a_drag_of_their_own(closed_form_disk, lit_air):
 
 @pytest.mark.parametrize("bearing", [0.0, 1.5, 3.0, 4.5])
 def test_a_tilted_flyer_makes_for_its_station_at_the_speed_of_steady_drift(
-    closed_form_disk, lit_air, bearing
+    closed_form_disk, lit_air, bearing, fly
 ):
     disk, air, away = closed_form_disk(0.01), lit_air(), 1.0 * DEGREE
     north = 20.0 + np.cos(bearing) * away / DEGREE
     east = 179.9 + np.sin(bearing) * away / DEGREE / np.cos(20.0 * DEGREE)
     rule = lf.mission.TowardsStation(Circle(north, (east + 180.0) % 360.0 - 180.0, 1e3), 0.2)
-    flown = lf.fly(
-        disk, air, lf.FreeMolecular(), release=Release("72 km", **RELEASE), duration="10 min",
-        attitude=rule,
-    )  # fmt: skip
+    flown = fly("10 min", flyer=disk, altitude="72 km", attitude=rule)
     near = np.radians(float(flown.tilt[0]))
     assert near == pytest.approx(0.2 * 111.2 / 121.2, rel=2e-3)
     steady = lf.mission.steady_drift(
@@ -255,10 +249,9 @@ class Daytime(lf.mission.AbstractAttitudeRule):
         return "dim after an hour"
 
 
-def test_a_rule_of_ones_own_flies_and_so_does_an_ensemble_of_it(closed_form_disk, lit_air):
-    flown = lf.fly(
-        closed_form_disk(2e-3), lit_air(Shear()), lf.FreeMolecular(), duration="2 h",
-        release=Release("75 km", **RELEASE), attitude=Daytime(), every="15 min",
+def test_a_rule_of_ones_own_flies_and_so_does_an_ensemble_of_it(fly):
+    flown = fly(
+        "2 h", Shear(), attitude=Daytime(), every="15 min",
         ensemble=lf.mission.Ensemble(3, wind=5.0), station=Circle(20.0, 179.9, "20 km"),
     )  # fmt: skip
     np.testing.assert_allclose(flown.light_share, [1.0] * 4 + [0.25] * 5)
@@ -281,21 +274,14 @@ def test_a_rule_of_ones_own_flies_and_so_does_an_ensemble_of_it(closed_form_disk
     ({"attitude": lambda self, moment: 0.2}, "attitude of Mine must be"),
     ({"attitude": lambda self, moment: moment.tilt}, "Mine.attitude: .*tilt"),
 ])  # fmt: skip
-def test_a_rule_that_serves_no_flight_is_named(closed_form_disk, lit_air, methods, said):
+def test_a_rule_that_serves_no_flight_is_named(fly, methods, said):
     with pytest.raises(lf.ParameterError, match=said):
-        lf.fly(
-            closed_form_disk(2e-3), lit_air(), lf.FreeMolecular(), duration="1 h",
-            release=Release("75 km", **RELEASE), attitude=type("Mine", (Daytime,), methods)(),
-        )  # fmt: skip
+        fly("1 h", attitude=type("Mine", (Daytime,), methods)())
 
 
-def test_there_is_nothing_to_choose_in_the_same_wind_everywhere(closed_form_disk, lit_air, station):
-    wind = lf.environment.UniformWind(east=5.0)
-    flown = lf.fly(
-        closed_form_disk(2e-3), lit_air(wind), lf.FreeMolecular(), duration="10 min",
-        release=Release("75 km", **RELEASE),
-        attitude=lf.mission.Shaded(lf.mission.ChooseWind(station, "66 km", "78 km")),
-    )  # fmt: skip
+def test_there_is_nothing_to_choose_in_the_same_wind_everywhere(fly, station):
+    rule = lf.mission.Shaded(lf.mission.ChooseWind(station, "66 km", "78 km"))
+    flown = fly("10 min", lf.environment.UniformWind(east=5.0), attitude=rule)
     assert "the wind is the same at all altitudes to choose from" in flown.attrs["warnings"]
 
 

@@ -97,15 +97,22 @@ def test_sizes_of_waves_are_those_of_the_climatology():
         assert np.std(part) == pytest.approx(along, rel=0.06)
 
 
-def test_waves_of_a_flight_are_its_own_and_come_with_the_ensemble(closed_form_disk):
-    def fly(**errors):
-        return lf.fly(
-            closed_form_disk(0.002), lf.Earth(), lf.FreeMolecular(), duration="3 h", every="30 min",
-            release=lf.Release("75 km", latitude=45.0, longitude=0.0, time=0.0),
-            ensemble=lf.mission.Ensemble(members=3, drag=0.0, **errors),
+@pytest.fixture
+def fly(closed_form_disk):
+    """Fly an ensemble of a disk of 2 mm, or disperse it as a swarm."""
+
+    def flown(function=lf.fly, blows=None, duration="3 h", every="1 h", members=6, **errors):
+        return function(
+            closed_form_disk(0.002), lf.Earth(wind=blows), lf.FreeMolecular(), duration=duration,
+            release=lf.Release("75 km", latitude=45.0, longitude=0.0, time=0.0), every=every,
+            ensemble=lf.mission.Ensemble(members, drag=0.0, **errors),
         )  # fmt: skip
 
-    flown, calm = fly(), fly(waves=0.0)
+    return flown
+
+
+def test_waves_of_a_flight_are_its_own_and_come_with_the_ensemble(fly):
+    flown, calm = (fly(every="30 min", members=3, **errors) for errors in ({}, {"waves": 0.0}))
     np.testing.assert_array_equal(flown.altitude, calm.altitude)
     assert np.ptp(calm.ensemble_altitude.values, axis=0).max() < 1e-6
     assert np.ptp(flown.ensemble_altitude.values[:, -1]) > 50.0
@@ -121,23 +128,15 @@ def test_waves_of_mars_are_not_known(film):
     assert "waves: none; those of Mars are not known" in told
 
 
-def swarm(disk, **given):
-    return lf.fly(
-        disk, lf.Earth(wind=lf.environment.UniformWind(50.0)), lf.FreeMolecular(),
-        duration="6 h", every="1 h",
-        release=lf.Release("75 km", latitude=45.0, longitude=0.0, time=0.0),
-        ensemble=lf.mission.Ensemble(members=6, drag=0.0, **given),
-    )  # fmt: skip
-
-
-def test_a_swarm_at_one_place_flies_as_one_flyer(closed_form_disk):
+def test_a_swarm_at_one_place_flies_as_one_flyer(fly):
     """All members are the same flyer; released 10 km apart they meet other phases."""
-    near = swarm(closed_form_disk(0.002), together=True, wind=10.0)
+    air = {"blows": lf.environment.UniformWind(50.0), "duration": "6 h"}
+    near = fly(**air, together=True, wind=10.0)
     altitude = near.ensemble_altitude.values
     assert np.ptp(altitude, axis=0).max() < 1.0
     assert np.abs(altitude[0] - near.altitude.values).max() > 50.0
     assert "the same for all members" in near.attrs["assumptions"]
-    apart = swarm(closed_form_disk(0.002), together=True, distance=10e3)
+    apart = fly(**air, together=True, distance=10e3)
     assert np.std(apart.ensemble_altitude.values[:, -1]) > 5.0
 
 
@@ -160,13 +159,9 @@ def test_a_wave_that_goes_north_comes_later_to_who_is_north(single, lit_air):
     assert up(900.0, east) == pytest.approx(alone[0], abs=0.02 * abs(alone[0]))
 
 
-def test_batches_of_a_swarm_meet_one_weather(closed_form_disk, monkeypatch):
+def test_batches_of_a_swarm_meet_one_weather(fly, monkeypatch):
     monkeypatch.setattr(spreading, "MEMBERS", 3)
-    found = lf.mission.disperse_ensemble(
-        closed_form_disk(0.002), lf.Earth(), lf.FreeMolecular(), duration="3 h", every="1 h",
-        release=lf.Release("75 km", latitude=45.0, longitude=0.0, time=0.0),
-        ensemble=lf.mission.Ensemble(members=6, drag=0.0, together=True, wind=10.0),
-    )  # fmt: skip
+    found = fly(lf.mission.disperse_ensemble, together=True, wind=10.0)
     assert float(found.altitude_spread[-1]) < 1.0
     assert float(found.distance[-1]) < 100.0
 

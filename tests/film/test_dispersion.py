@@ -7,7 +7,6 @@ from scipy.special import dawsn
 
 import lightflyer as lf
 from lightflyer import film
-from lightflyer.config.reader import read_film_file
 from lightflyer.film.media.dispersion import (
     Cauchy,
     CodyLorentz,
@@ -147,54 +146,3 @@ def test_formula_keeps_to_its_range_and_says_what_it_does_beyond():
 def test_impossible_formulas_are_refused(make, said):
     with pytest.raises(lf.LightflyerError, match=said):
         make()
-
-
-FILE = """\
-[film]
-layers = [
-  {name = "a-Ge", thickness = "20 nm", density = "5 g/cm^3", dispersion = {DISPERSION}},
-]
-"""
-TERM = '{amplitude = "120 eV", energy = "3.2 eV", broadening = "2.9 eV", gap = "0.8 eV"}'
-
-
-def test_layer_of_a_formula_in_a_file(tmp_path):
-    path = tmp_path / "film.toml"
-    text = '{permittivity = 1.1, tauc_lorentz = [TERM], longest = "3 um"}'.replace("TERM", TERM)
-    path.write_text(FILE.replace("{DISPERSION}", text), encoding="utf-8")
-    section = read_film_file(path)
-    layer = section.film().layers[0]
-    expected = Formula("a-Ge", (TaucLorentz("120 eV", "3.2 eV", "2.9 eV", "0.8 eV"),), 1.1)
-    np.testing.assert_allclose(layer.material.index(1e-6), expected.index(1e-6), rtol=1e-12)
-    assert layer.material.wavelength_range[1] == 3e-6
-    assert section.film().areal_density == pytest.approx(1e-4)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("{}", "needs either cauchy, or terms"),
-        ('{cauchy = {a = 1.5}, lorentz = [{strength = 1, energy = "1 eV", broadening = "1 eV"}]}',
-         "needs either cauchy, or terms"),
-        ('{cauchy = {a = 1.5, b = "1 eV"}}', "wrong kind"),
-        ("{tauc_lorentz = [" + TERM.replace("2.9", "29") + "]}", "below twice its energy"),
-        ("{tauc_lorentz = [" + TERM.replace("gap", "gab") + "]}", 'did you mean "gap"'),
-    ],
-)  # fmt: skip
-def test_mistakes_in_formulas_of_a_file_have_one_line(tmp_path, text, said):
-    path = tmp_path / "film.toml"
-    path.write_text(FILE.replace("{DISPERSION}", text), encoding="utf-8")
-    with pytest.raises(lf.ConfigurationError, match=said) as caught:
-        read_film_file(path)
-    assert str(caught.value).startswith(f"{path}:")
-    assert "\n" not in str(caught.value)
-
-
-def test_density_of_a_porous_layer_is_the_stated_one(tmp_path):
-    path = tmp_path / "film.toml"
-    path.write_text(
-        '[film]\nlayers = [{material = "Ge", porosity = 0.5, density = "3 g/cm^3", '
-        'thickness = "1 um"}]\n',
-        encoding="utf-8",
-    )
-    assert read_film_file(path).film().areal_density == pytest.approx(3e-3)

@@ -6,16 +6,14 @@ import pytest
 import lightflyer as lf
 from lightflyer.config.reader import read_film_file
 from lightflyer.film import Graded, Mixture, material, thickness_uncertainty
+from lightflyer.film.media.dispersion import Formula, TaucLorentz
 
 
 @pytest.fixture
-def layer(tmp_path):
-    def read(entry):
-        path = tmp_path / "film.toml"
-        path.write_text(f"[film]\nlayers = [\n  {{{entry}}},\n]\n", encoding="utf-8")
-        return read_film_file(path)
-
-    return read
+def layer(write):
+    return lambda entry: read_film_file(
+        write(f"[film]\nlayers = [\n  {{{entry}}},\n]\n", "film.toml")
+    )
 
 
 def medium(section):
@@ -35,6 +33,8 @@ def test_a_porous_layer(layer):
     assert medium(section).diagnostics == ()
     assert section.limit() == 1211.0
     assert "of porous Ge is known" in section.lacking()
+    stated = layer('material = "Ge", porosity = 0.5, density = "3 g/cm^3", thickness = "1 um"')
+    assert stated.film().areal_density == pytest.approx(3e-3)
 
 
 def test_a_graded_mixture_keeps_the_order_of_its_parts(layer):
@@ -84,6 +84,19 @@ def test_tables_at_several_temperatures(layer):
     assert medium(section).index(6e-7)[1] == pytest.approx(np.mean(ends), rel=1e-12)
 
 
+A_GE = 'name = "a-Ge", density = "5 g/cm^3", dispersion = '
+TERM = '{amplitude = "120 eV", energy = "3.2 eV", broadening = "2.9 eV", gap = "0.8 eV"}'
+
+
+def test_a_formula(layer):
+    text = f'{{permittivity = 1.1, tauc_lorentz = [{TERM}], longest = "3 um"}}'
+    section = layer(f'{A_GE}{text}, thickness = "20 nm"')
+    expected = Formula("a-Ge", (TaucLorentz("120 eV", "3.2 eV", "2.9 eV", "0.8 eV"),), 1.1)
+    np.testing.assert_allclose(medium(section).index(1e-6), expected.index(1e-6), rtol=1e-12)
+    assert medium(section).wavelength_range[1] == 3e-6
+    assert section.film().areal_density == pytest.approx(1e-4)
+
+
 THICK = ', thickness = "20 nm"'
 
 
@@ -99,6 +112,12 @@ THICK = ', thickness = "20 nm"'
         ('material = "Ge", porosity = 0.2, shape = "mat"', 'the rule "bruggeman" has no mat'),
         ('material = "Ge", porosity = 0.2, sheets = 0', "sheets = 0: must be at least 1"),
         ('material = "vacuum"', "vacuum is for parts of mixtures"),
+        (A_GE + "{}", "needs either cauchy, or terms"),
+        (A_GE + '{cauchy = {a = 1.5}, lorentz = [{strength = 1, energy = "1 eV", '
+         'broadening = "1 eV"}]}', "needs either cauchy, or terms"),
+        (A_GE + '{cauchy = {a = 1.5, b = "1 eV"}}', "wrong kind"),
+        (A_GE + "{tauc_lorentz = [" + TERM.replace("2.9", "29") + "]}", "below twice its energy"),
+        (A_GE + "{tauc_lorentz = [" + TERM.replace("gap", "gab") + "]}", 'did you mean "gap"'),
         ('sheets = 3', "give one of material, parts"),
         ('parts = [{material = "Ge"}, {material = "Si"}]', r"\(without are Ge, Si\)"),
         ('parts = [{material = "Ge", fraction = 1}, {material = "Si", fraction = 0}]', "are none"),

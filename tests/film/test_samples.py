@@ -250,13 +250,8 @@ FILE = '[film]\nlayers = [{material = "Ge", thickness = "50 nm", roughness = "3 
 
 
 @pytest.fixture
-def read(tmp_path):
-    def written(text, reader=read_film_file):
-        path = tmp_path / "sample.toml"
-        path.write_text(FILE + text, encoding="utf-8")
-        return reader(path)
-
-    return written
+def read(write):
+    return lambda text, reader=read_film_file: reader(write(FILE + text, "sample.toml"))
 
 
 def test_samples_in_files(read):

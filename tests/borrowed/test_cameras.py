@@ -111,23 +111,21 @@ def test_the_way_through_air(constants):
     assert temperatures(found, settings) == pytest.approx(KELVIN, abs=0.1)
 
 
-def test_an_image_without_temperatures_is_refused(tmp_path):
+def test_an_image_without_temperatures_is_refused(write):
     """https://github.com/LJMUAstroecology/flirpy/issues/108: NaN everywhere, and no reason."""
-    path = tmp_path / "dark.fff"
-    path.write_bytes(record(np.zeros((4, 5))))
+    path = write(record(np.zeros((4, 5))), "dark.fff")
     with pytest.raises(lf.ConfigurationError, match=r"dark\.fff: .+"):
         read_thermal_image(path)
 
 
-def test_a_matrix_that_a_program_printed(tmp_path):
+def test_a_matrix_that_a_program_printed(write):
     """https://github.com/wilhelmzeuschner/arduino_thermal_camera_with_sd_and_img_processing/issues/2
 
     Rows such as ['24.8', '25.0'] are no matrix; a line says where. Without the marks they are one.
     """
     values = np.round(np.random.default_rng(1).uniform(24.0, 31.0, (8, 8)), 1)
     printed = "".join(f"{[str(one) for one in row]}\n" for row in values)
-    path = tmp_path / "image.txt"
-    path.write_text(printed, encoding="utf-8")
+    path = write(printed, "image.txt")
     with pytest.raises(lf.ConfigurationError, match=r"image\.txt:1: .* is not a number"):
         read_thermal_image(path, scale=parse_scale("°C"))
     path.write_text(printed.translate({ord(mark): None for mark in "[]'"}), encoding="utf-8")

@@ -152,9 +152,10 @@ def test_what_flyer_or_gas_leaves_without_effect_is_said():
     assert "polyatomic = scaled has no effect: the gas is not polyatomic" in said
 
 
-def test_a_mission_has_one_place_and_date(tmp_path):
+def test_a_mission_has_one_place_and_date(write):
     text = templates()["mission"].read()
-    path = tmp_path / "mission.toml"
-    path.write_text(text.replace("[environment]", '[environment]\nlatitude = "-80 deg"'), "utf-8")
+    path = write(
+        text.replace("[environment]", '[environment]\nlatitude = "-80 deg"'), "mission.toml"
+    )
     with pytest.raises(lf.ConfigurationError, match=r"toml:\d+: latitude is not that of .mission."):
         lf.mission.read_mission_file(path)

@@ -79,9 +79,8 @@ def test_the_search_for_invitations_finds_them():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", INVITED)
-def test_templates_run_with_every_change_that_their_comments_invite(name, tmp_path):
-    path = tmp_path / "flyer.toml"
-    path.write_text(INVITED[name], encoding="utf-8")
+def test_templates_run_with_every_change_that_their_comments_invite(name, write):
+    path = write(INVITED[name], "flyer.toml")
     setup = read_flyer_file(path).build()
     where = setup.environment.coordinate
     middle = (where.searched[0] * where.searched[1]) ** 0.5 if where.logarithmic else 72e3
@@ -92,9 +91,8 @@ def test_templates_run_with_every_change_that_their_comments_invite(name, tmp_pa
 
 
 @pytest.mark.parametrize("kind", ["earth", "sandwich"])
-def test_earths_light_is_the_same_in_templates_files_and_python(kind, tmp_path):
-    path = tmp_path / "flyer.toml"
-    path.write_text(TEMPLATES[kind], encoding="utf-8")
+def test_earths_light_is_the_same_in_templates_files_and_python(kind, write):
+    path = write(TEMPLATES[kind], "flyer.toml")
     written = read_flyer_file(path).build().environment
     light = ("irradiance", "incidence", "albedo", "infrared_top", "infrared_bottom")
     bare = "\n".join(
@@ -137,11 +135,10 @@ OF_SECTIONS_IN_COMMENTS = (
         ("sensitivity", "lightflyer.search:read_sensitivity_study"),
     ],
 )
-def test_studies_can_be_read_beside_the_flyer_file(kind, read, tmp_path):
+def test_studies_can_be_read_beside_the_flyer_file(kind, read, tmp_path, write):
     (tmp_path / "flyer.toml").write_text(TEMPLATES["earth"], encoding="utf-8")
     text = templates()[kind].read()
-    path = tmp_path / "study.toml"
-    path.write_text(text, encoding="utf-8")
+    path = write(text, "study.toml")
     found = pkgutil.resolve_name(read)(path)
     assert found.design.setup.flyer.describe()
     for match in re.finditer(r"^# ((?:\w+|\"[^\"]+\") = [^#]*?)(?: +#.*)?$", text, re.M):
@@ -155,10 +152,9 @@ def test_studies_can_be_read_beside_the_flyer_file(kind, read, tmp_path):
         pkgutil.resolve_name(read)(path)
 
 
-def test_points_calibrate_and_name_themselves_synthetic(tmp_path):
+def test_points_calibrate_and_name_themselves_synthetic(write):
     text = templates()["points"].read()
     assert "Synthetic" in text
-    path = tmp_path / "points.csv"
-    path.write_text(text, encoding="utf-8")
+    path = write(text, "points.csv")
     points = read_points(path, strict=True)
     assert set(points.samples) == {"Ge 2 cm", "Ge 3 cm"}

@@ -46,11 +46,10 @@ def job(name, workplace, document, **choices):
     )
 
 
-def test_page_shows_what_the_command_line_prints(workplace, document, tmp_path, prints):
+def test_page_shows_what_the_command_line_prints(workplace, document, write, prints):
     document["flyer"]["diameter"] = "2.3456789 cm"
     shown = pages.ANSWERS["predict"](workplace, {"document": document})
-    path = tmp_path / "flyer.toml"
-    path.write_bytes(download("toml", workplace, document, Choices()).content)
+    path = write(download("toml", workplace, document, Choices()).content, "flyer.toml")
     told = json.loads(prints("predict", path, "--json"))
     for key, value in shown["summary"].items():
         assert told[key] == value, key  # to the last digit

@@ -32,12 +32,11 @@ def read(document):
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)
-def test_address_and_file_hold_the_whole_design(name, workplace, tmp_path):
+def test_address_and_file_hold_the_whole_design(name, workplace, write):
     document = DOCUMENTS[name]
     view = View(document, "75 km", (DOCUMENTS["earth"], document))
     assert from_url(to_url(view)) == view
-    path = tmp_path / "flyer.toml"
-    path.write_text(to_toml(document), encoding="utf-8")
+    path = write(to_toml(document), "flyer.toml")
     if "mission" in document:
         written, own = lf.mission.read_mission_file(path), workplace.mission(document)
         assert written.mission == own.mission
@@ -46,13 +45,12 @@ def test_address_and_file_hold_the_whole_design(name, workplace, tmp_path):
         assert lf.read_flyer_file(path) == read(document)
 
 
-def test_file_keeps_every_digit_of_what_was_typed(workplace, tmp_path):
+def test_file_keeps_every_digit_of_what_was_typed(workplace, write):
     document = copy.deepcopy(DOCUMENTS["earth"])
     document["flyer"]["diameter"] = "2.3456789012345678 ± 0.01 cm"
     document["film"] |= {"absorptance": "0.7512345678901234", "tac_bottom": ""}
     document["film"]["tac_bottom"] = "9.1e-1"
-    path = tmp_path / "flyer.toml"
-    path.write_text(to_toml(document), encoding="utf-8")
+    path = write(to_toml(document), "flyer.toml")
     file = lf.read_flyer_file(path)
     assert file.flyer.diameter == pytest.approx((0.023456789012345678, 1e-4), rel=1e-15)
     assert (file.film.absorptance.value, file.film.tac_bottom.value) == (0.7512345678901234, 0.91)
@@ -133,7 +131,7 @@ def test_files_that_the_opened_file_names_may_be_anywhere(tmp_path):
         workplace.design({**document, "payload": {"reserve": "../0"}})
 
 
-def test_command_serves_the_file_and_says_where(tmp_path, prints, monkeypatch):
+def test_command_serves_the_file_and_says_where(write, prints, monkeypatch):
     served = []
 
     def serve(workplace, port, opened):
@@ -141,16 +139,14 @@ def test_command_serves_the_file_and_says_where(tmp_path, prints, monkeypatch):
         opened(f"http://127.0.0.1:{port}/")
 
     monkeypatch.setattr(server, "serve", serve)
-    path = tmp_path / "mine.toml"
-    path.write_text(to_toml(DOCUMENTS["mission"]), encoding="utf-8")
+    path = write(to_toml(DOCUMENTS["mission"]), "mine.toml")
     assert "http://127.0.0.1:8123/" in prints("explore", path, "--no-browser", "--port", "8123")
     ((workplace, port),) = served
     assert (workplace.initial["mission"]["altitude"], port) == ("75 km", 8123)
 
 
-def test_wrong_file_ends_the_command_with_its_line(tmp_path, refuses):
-    path = tmp_path / "flyer.toml"
-    path.write_text('[flyer]\ndiameter = "2 xm"\n', encoding="utf-8")
+def test_wrong_file_ends_the_command_with_its_line(write, refuses):
+    path = write('[flyer]\ndiameter = "2 xm"\n', "flyer.toml")
     (line,) = refuses("explore", path, "--no-browser").splitlines()
     assert line.startswith(f'lightflyer: error: {path}:2: flyer.diameter: "2 xm"')
 

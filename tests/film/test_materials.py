@@ -66,9 +66,8 @@ def test_films_whose_data_do_not_meet():
         _ = film.covered_range
 
 
-def test_ones_own_table(tmp_path):
-    path = tmp_path / "mine.csv"
-    path.write_text("# mine\nwavelength [nm],n,k\n400,1.5,0.1\n800,1.4,0.2\n")
+def test_ones_own_table(tmp_path, write):
+    path = write("# mine\nwavelength [nm],n,k\n400,1.5,0.1\n800,1.4,0.2\n", "mine.csv")
     own = material_from_csv(path, density=900.0)
     np.testing.assert_allclose(own.index(600e-9), (1.45, 0.15), rtol=1e-12)
     path.write_text("k,wavelength_um,n\n0.1,0.4,1.5\n0.2,0.8,1.4\n")

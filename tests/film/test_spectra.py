@@ -60,9 +60,8 @@ def test_the_lamp_has_a_blue_chip_and_a_phosphor():
 GOOD = "wavelength [nm],irradiance [W/m^2/nm]\n400,0\n500,2\n600,0\n"
 
 
-def test_ones_own_lamp(tmp_path):
-    path = tmp_path / "lamp.csv"
-    path.write_text(GOOD)
+def test_ones_own_lamp(write):
+    path = write(GOOD, "lamp.csv")
     assert spectrum_from_csv(path).total == pytest.approx(
         200.0
     )  # W/m²: the unit was left out of it
@@ -77,9 +76,8 @@ def test_ones_own_lamp(tmp_path):
         ("W/m^2/nm", "mol/(s m^2 nm)", "is unknown; give one that converts to W/m"),
     ],
 )
-def test_a_bad_lamp_gets_one_clear_line(tmp_path, old, new, message):
-    path = tmp_path / "lamp.csv"
-    path.write_text(GOOD.replace(old, new, 1))
+def test_a_bad_lamp_gets_one_clear_line(write, old, new, message):
+    path = write(GOOD.replace(old, new, 1), "lamp.csv")
     with pytest.raises(lf.ConfigurationError, match=message):
         spectrum_from_csv(path)
 

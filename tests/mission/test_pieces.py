@@ -32,9 +32,8 @@ def test_a_mission_flies_as_its_fields_do(disk, tmp_path):
     assert mission.duration == 3600.0
 
 
-def test_a_mission_file_is_a_mission(tmp_path):
-    path = tmp_path / "mission.toml"
-    path.write_text(templates()["mission"].read(), encoding="utf-8")
+def test_a_mission_file_is_a_mission(write):
+    path = write(templates()["mission"].read(), "mission.toml")
     file = lf.mission.read_mission_file(path)
     assert isinstance(file.mission, lf.mission.Mission)
     assert file.mission.lowest == 50e3

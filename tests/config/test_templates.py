@@ -108,8 +108,7 @@ def test_earths_light_is_the_same_in_templates_files_and_python(kind, write):
 def test_a_key_of_another_choice_is_refused_by_naming_that_choice(tmp_path):
     path = tmp_path / "flyer.toml"
     wrong = {
-        ('model = "kinetic"', 'model = "kinetic"\nc_fm = 0.4'):
-            r':\d+: force.c_fm belongs to model = "lu2023"; remove it, or choose that',
+
         ('atmosphere = "us1976"', 'atmosphere = "us1976"\nf107 = 150'):
             r':\d+: environment.f107 belongs to kind = "earth"; remove it',
         ('atmosphere = "us1976"', 'radius = "15 cm"'):

@@ -3,16 +3,8 @@ import pytest
 from lightflyer.core.text import files_read, in_toml, read_text, rounded
 
 
-@pytest.fixture
-def paths(tmp_path):
-    paths = [tmp_path / name for name in ("one.toml", "two.toml", "three.toml")]
-    for path in paths:
-        path.write_text(path.name)
-    return paths
-
-
-def test_files_are_noted_within_their_block_alone(paths):
-    one, two, three = paths
+def test_files_are_noted_within_their_block_alone(write):
+    one, two, three = (write(name, name) for name in ("one.toml", "two.toml", "three.toml"))
     with files_read() as outer:
         read_text(one)
         with files_read() as inner:

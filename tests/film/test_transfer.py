@@ -44,13 +44,15 @@ def test_one_layer_is_an_etalon(n, k, d, incidence):
     assert k == 0.0 or np.all(optics.reflectance + optics.transmittance < 1.0)
 
 
-def test_an_opaque_metal_reflects_as_its_surface():
-    n, k = 1.26, 7.19
-    optics = stack_optics([n], [k], [1e-3], 6e-7)
+@pytest.mark.parametrize(("n", "k"), [(1.26, 7.19), (3.5, 2.7)])
+def test_an_opaque_metal_reflects_as_its_surface(n, k):
+    """Whatever lies below."""
     surface = abs((1.0 - (n + 1j * k)) / (1.0 + (n + 1j * k))) ** 2
-    np.testing.assert_allclose(optics.reflectance, surface, rtol=1e-13)
-    np.testing.assert_array_equal(optics.transmittance, 0.0)
-    np.testing.assert_allclose(optics.absorptance, 1.0 - surface, rtol=1e-12)
+    for layers in (([n], [k], [1e-3]), ([n, 1.45, n], [k, 0.0, k], [1e-4, 1e-6, 1e-4])):
+        optics = stack_optics(*layers, 6e-7)
+        np.testing.assert_allclose(optics.reflectance, surface, rtol=1e-13)
+        np.testing.assert_array_equal(optics.transmittance, 0.0)
+        np.testing.assert_allclose(optics.absorptance, 1.0 - surface, rtol=1e-12)
 
 
 def test_thick_and_opaque_layers_stay_finite_with_their_gradients():

@@ -45,12 +45,9 @@ def test_absorbed_powers_of_a_file_give_the_asymmetry(powers, tmp_path):
     assert share == pytest.approx(3 / 40, rel=0.05)
     more = made.build({"flyer.absorption_efficiency": 1.2}).flyer
     assert more.asymmetry == pytest.approx(1.2 * share, rel=1e-12)
-
-
-def test_absorbed_powers_go_before_what_a_material_gives(powers, tmp_path):
+    # they go before what a material gives
     keys = 'material = "graphite"\nextrapolation = "hold"\nabsorbed_powers = "q.txt"'
     made = design(tmp_path, keys).setup.flyer
-    share = film.read_absorbed_powers(powers).asymmetry
     assert made.asymmetry == pytest.approx(share * made.absorption_efficiency, rel=1e-12)
 
 

@@ -74,35 +74,43 @@ def both(path, monkeypatch):
     return fly_both
 
 
+CHOICE = lf.mission.Shaded(
+    lf.mission.ChooseWind(lf.mission.Circle(78.0, 0.0, "300 km"), "25 km", "59 km", width="30 km")
+)
+
+
 @pytest.mark.slow
-def test_a_flight_through_a_window_is_the_flight(both):
-    whole, parts = both(duration="6 h")
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        ({"duration": "6 h"}, "latitude wind_east wind_north temperature"),
+        # it goes on beyond the data
+        (
+            {"duration": "6 h", "altitude": "58 km", "beyond": UniformWind(20.0)},
+            "latitude wind_east",
+        ),
+        # who chooses its wind sees all levels
+        (
+            {"duration": "3 h", "attitude": CHOICE},
+            "light_share temperature event_temperature",
+        ),
+    ],
+)
+def test_a_flight_through_a_window_is_the_flight(both, given, names):
+    whole, parts = both(**given)
     assert whole.attrs["end"].startswith("is still aloft at the end of its time")
-    for name in ("altitude", "latitude", "longitude", "wind_east", "wind_north", "temperature"):
+    for name in ("altitude", "longitude", *names.split()):
         np.testing.assert_allclose(parts[name], whole[name], rtol=1e-10, atol=1e-10)
+    if "attitude" in given:
+        assert np.ptp(whole.light_share.values) > 0.01  # by the wind elsewhere
+    if "beyond" in given:
+        assert float(whole.altitude[-1]) > 60e3
+        return
     hours = (parts.time.values - START) / np.timedelta64(1, "h")
     place = np.radians(parts.latitude.values), np.radians(parts.longitude.values)
     east, north = truth(parts.altitude.values / 1e3, hours, *place)
     np.testing.assert_allclose(parts.wind_east, east, atol=0.1)
     np.testing.assert_allclose(parts.wind_north, north, atol=0.1)
-
-
-@pytest.mark.slow
-def test_a_flight_through_a_window_goes_on_beyond_the_data(both):
-    whole, parts = both(duration="6 h", altitude="58 km", beyond=UniformWind(20.0))
-    assert float(whole.altitude[-1]) > 60e3
-    for name in ("altitude", "latitude", "longitude", "wind_east"):
-        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-10, atol=1e-10)
-
-
-@pytest.mark.slow
-def test_who_chooses_its_wind_sees_all_levels(both):
-    station = lf.mission.Circle(78.0, 0.0, "300 km")
-    rule = lf.mission.Shaded(lf.mission.ChooseWind(station, "25 km", "59 km", width="30 km"))
-    whole, parts = both(attitude=rule, duration="3 h")
-    assert np.ptp(whole.light_share.values) > 0.01  # by the wind elsewhere
-    for name in ("altitude", "longitude", "light_share", "temperature", "event_temperature"):
-        np.testing.assert_allclose(parts[name], whole[name], rtol=1e-10, atol=1e-10)
 
 
 @pytest.mark.slow

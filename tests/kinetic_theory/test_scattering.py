@@ -6,7 +6,8 @@ from scipy.integrate import quad
 from scipy.special import i0e
 
 from lightflyer.core.errors import ParameterError
-from lightflyer.kinetic_theory import solve, solve_in_chamber
+from lightflyer.kinetic_theory import Chamber, solve, solve_in_chamber
+from lightflyer.kinetic_theory.chamber import cases as chamber_cases
 from lightflyer.kinetic_theory.disk import cases
 from lightflyer.kinetic_theory.disk.cases import (
     COARSE,
@@ -286,9 +287,8 @@ def test_a_hot_face_draws_heat_of_the_kinds_that_it_accommodates(kind):
     assert abs(found.heat[1]) < 1e-12
 
 
-def test_a_chamber_takes_these_walls_where_the_disk_is_hot():
-    from lightflyer.kinetic_theory import Chamber
-
+def test_a_chamber_takes_these_walls_where_the_disk_is_hot(monkeypatch):
+    monkeypatch.setattr(chamber_cases, "meshes", lambda *, linear: (SKETCH, ROUGH))
     near = {"chamber": Chamber(floor=2.0, lid=2.0, side=2.0), "gas": "diatomic"}
     wall = {"wall": "cercignani-lampis", "tangential_accommodation": 0.9}
     found = solve_in_chamber(3.0, 0.8, 0.9, temperature_ratio=2.0, **near, **wall)

@@ -18,18 +18,14 @@ from lightflyer.film import (
     am0,
     emittance,
     light_by_angle,
-    tabulated_material,
 )
 from lightflyer.film.angles import heat_by_angle, write_csv, write_spectral_csv
 from lightflyer.film.figures import angle_figures
 
+from .conftest import flat
+
 ANGLES = np.radians([0.0, 35.0, 80.0])
 COARSE = 100
-
-
-def flat(n, k):
-    table = np.array([1e-7, 4e-3]), np.array([n, n]), np.array([k, k])
-    return tabulated_material(f"flat {n} {k}", *table, density=1000.0)
 
 
 @pytest.fixture(scope="module")

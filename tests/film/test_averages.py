@@ -20,6 +20,8 @@ from lightflyer.film import (
 )
 from lightflyer.film.optics.spectra import blackbody_fraction
 
+from .conftest import flat
+
 TEMPERATURES = np.array([200.0, 300.0, 441.0, 1000.0])
 
 
@@ -45,11 +47,6 @@ def test_planck_weighted_integration_has_converged():
     plain = emittance(nominal(), TEMPERATURES).value
     finer = emittance(nominal(), TEMPERATURES, points_per_e_fold=16000).value
     np.testing.assert_allclose(plain, finer, rtol=1e-5)
-
-
-def flat(n, k):
-    table = np.array([1e-7, 4e-3]), np.array([n, n]), np.array([k, k])
-    return tabulated_material(f"flat {n} {k}", *table, density=1000.0)
 
 
 def test_emittance_is_between_nothing_and_a_black_body(rng):

@@ -23,17 +23,13 @@ from lightflyer.film import (
     light_shares,
     material,
     porous,
-    tabulated_material,
     vacuum,
 )
 from lightflyer.film.optics.diagnostics import film_warnings, sheet_error, sheet_warnings
 
+from .conftest import flat
+
 WAVELENGTH = np.array([0.5e-6, 1e-6])
-
-
-def flat(name, n, k=0.0, density=1000.0):
-    table = np.array([1e-7, 1e-4]), np.array([n, n]), np.array([k, k])
-    return tabulated_material(name, *table, density=density)
 
 
 def test_a_porous_film_by_tmm():
@@ -49,12 +45,14 @@ def test_a_porous_film_by_tmm():
 
 
 def test_mass_follows_the_fractions():
-    mixture = Mixture((flat("a", 2.0), flat("b", 2.0, density=3000.0), vacuum()), (0.2, 0.3))
+    mixture = Mixture(
+        (flat(2.0, name="a"), flat(2.0, density=3000.0, name="b"), vacuum()), (0.2, 0.3)
+    )
     assert mixture.density == pytest.approx(0.5 * 1000.0 + 0.2 * 3000.0)
-    graded = Graded((flat("a", 2.0), vacuum()), 0.2, 0.6)
+    graded = Graded((flat(2.0, name="a"), vacuum()), 0.2, 0.6)
     assert Film((Layer(graded, 1e-6),)).areal_density == pytest.approx(0.6e-3)
     assert mixture.with_density(700.0).density == 700.0
-    unknown = Mixture((flat("a", 2.0), material("a-C")), 0.5)
+    unknown = Mixture((flat(2.0, name="a"), material("a-C")), 0.5)
     with pytest.raises(lf.ParameterError, match="that of a-C is unknown"):
         _ = Film((Layer(unknown, 1e-6),)).areal_density
 
@@ -94,7 +92,9 @@ def test_sheets_converge_to_the_continuous_profile_as_their_square():
     )  # fmt: skip
     errors = []
     for count in (10, 20):
-        graded = Graded((flat("a", 3.5), flat("b", 1.5)), 0.0, 1.0, rule="parallel", count=count)
+        graded = Graded(
+            (flat(3.5, name="a"), flat(1.5, name="b")), 0.0, 1.0, rule="parallel", count=count
+        )
         found = Film((Layer(graded, thickness),)).optics(WAVELENGTH)
         errors.append(np.abs(found.reflectance[0] - expected))
     film = Film((Layer(graded, thickness),))
@@ -106,19 +106,19 @@ def test_sheets_converge_to_the_continuous_profile_as_their_square():
 
 
 def test_a_graded_layer_stays_one_layer_and_turns_over():
-    graded = Graded((flat("a", 3.0, 0.5), vacuum()), 0.1, 0.8, count=10)
-    film = Film((Layer(graded, 200e-9), Layer(flat("b", 1.5), 100e-9)))
+    graded = Graded((flat(3.0, 0.5, name="a"), vacuum()), 0.1, 0.8, count=10)
+    film = Film((Layer(graded, 200e-9), Layer(flat(1.5, name="b"), 100e-9)))
     optics = film.optics(WAVELENGTH, side="bottom")
     assert optics.layer_absorptance.shape == (2, 2, 2)
     total = optics.reflectance + optics.transmittance + optics.absorptance
     np.testing.assert_allclose(total, 1.0, rtol=1e-12)
-    turned = Graded((flat("a", 3.0, 0.5), vacuum()), 0.8, 0.1, count=10)
-    other = Film((Layer(flat("b", 1.5), 100e-9), Layer(turned, 200e-9))).optics(WAVELENGTH)
+    turned = Graded((flat(3.0, 0.5, name="a"), vacuum()), 0.8, 0.1, count=10)
+    other = Film((Layer(flat(1.5, name="b"), 100e-9), Layer(turned, 200e-9))).optics(WAVELENGTH)
     np.testing.assert_allclose(optics.reflectance, other.reflectance, rtol=1e-12)
 
 
 def test_constants_between_temperatures():
-    media, tables = (flat("cold", 2.0, 0.1), flat("warm", 2.4, 0.3)), (200.0, 400.0)
+    media, tables = (flat(2.0, 0.1, name="cold"), flat(2.4, 0.3, name="warm")), (200.0, 400.0)
     middle = TemperatureDependentMedium(media, tables, 250.0)
     np.testing.assert_allclose(middle.index(WAVELENGTH), [[2.1] * 2, [0.15] * 2], rtol=1e-14)
     with lf.float64():

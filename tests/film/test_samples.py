@@ -20,18 +20,14 @@ from lightflyer.film import (
     am0,
     light_shares,
     stack_optics,
-    tabulated_material,
 )
 from lightflyer.film.optics.averages import heat_shares
 from lightflyer.film.optics.diagnostics import property_warnings, thick_warnings
 
+from .conftest import flat
+
 WAVELENGTH = 7e-7
 NOTHING = np.zeros(0)
-
-
-def flat(n, k, density=1000.0):
-    table = np.array([1e-7, 4e-3]), np.array([n, n]), np.array([k, k])
-    return tabulated_material(f"flat {n} {k}", *table, density=density)
 
 
 @pytest.mark.parametrize(

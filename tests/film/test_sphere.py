@@ -15,9 +15,10 @@ from lightflyer.film import (
     planck,
     spectral_line,
     sphere_absorption,
-    tabulated_material,
     vacuum,
 )
+
+from .conftest import flat
 
 # from studies/sphere_absorption/fifty_digits.py; the first is also in the tests of
 # VictoriaMaia/Photophoretic-force, whose sign says which way it drives
@@ -191,13 +192,8 @@ def test_impossible_spheres_are_refused_in_a_line():
 # --- averages ---
 
 
-def grey(n, k):
-    table = np.array([1e-8, 4e-3]), np.array([n, n]), np.array([k, k])
-    return tabulated_material("grey", *table, density=1000.0)
-
-
 def test_means_over_sunlight_and_heat_by_another_integration():
-    found = sphere_absorption(grey(1.8, 0.4), 0.7e-6)
+    found = sphere_absorption(flat(1.8, 0.4), 0.7e-6)
     sun = am0()
     spectral = mie(1.8 + 0.4j, 2.0 * np.pi * 0.7e-6 / sun.wavelength)
     total = np.trapezoid(sun.irradiance, sun.wavelength)
@@ -246,7 +242,7 @@ def test_missing_data_and_what_stands_for_them_are_named():
     assert [line.count("hold beyond") for line in held.diagnostics] == [1, 1]
     assert "92 % of AM0" in held.diagnostics[0]
     assert "300 K" in held.diagnostics[1]
-    assert sphere_absorption(grey(1.5, 0.1), 1e-6).diagnostics == ()
+    assert sphere_absorption(flat(1.5, 0.1), 1e-6).diagnostics == ()
 
 
 def test_spheres_that_cannot_be_computed_are_refused_in_a_line():

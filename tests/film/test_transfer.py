@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 import lightflyer as lf
-from lightflyer.film import Film, Layer, stack_optics, tabulated_material
+from lightflyer.film import Film, Layer, stack_optics
+
+from .conftest import flat
 
 
 def test_lossless_layers_absorb_nothing(rng):
@@ -74,14 +76,8 @@ def test_total_reflection_inside_a_layer():
     assert np.all(thin.transmittance > 0.9)
 
 
-def flat(name, n, k, density=1000.0):
-    return tabulated_material(
-        name, np.array([1e-7, 1e-4]), np.array([n, n]), np.array([k, k]), density=density
-    )
-
-
 def test_a_film_takes_light_from_either_side():
-    film = Film((Layer(flat("a", 2.0, 0.0), 1e-7), Layer(flat("b", 3.0, 1.0), 5e-8)))
+    film = Film((Layer(flat(2.0, 0.0, name="a"), 1e-7), Layer(flat(3.0, 1.0, name="b"), 5e-8)))
     wavelength, incidence = np.array([5e-7, 6e-7]), np.array([[0.0], [0.5], [1.0]])
     below = film.optics(wavelength, incidence, side="bottom")
     assert below.layer_absorptance.shape == (2, 2, 3, 2)
@@ -90,19 +86,21 @@ def test_a_film_takes_light_from_either_side():
 
 
 def test_areal_density_adds_up():
-    film = Film((Layer(flat("a", 2.0, 0.0, 2000.0), 1e-7), Layer(flat("b", 2.0, 0.0), 5e-7)))
+    film = Film(
+        (Layer(flat(2.0, 0.0, 2000.0, name="a"), 1e-7), Layer(flat(2.0, 0.0, name="b"), 5e-7))
+    )
     assert film.areal_density == pytest.approx(7e-4, rel=1e-14)
     with pytest.raises(lf.ParameterError, match="density of b is unknown"):
-        _ = Film((Layer(flat("b", 2.0, 0.0, None), 5e-7),)).areal_density
+        _ = Film((Layer(flat(2.0, 0.0, None, name="b"), 5e-7),)).areal_density
 
 
 @pytest.mark.parametrize("thickness", [0.0, -1e-9, np.nan])
 def test_a_thickness_must_be_positive(thickness):
     with pytest.raises(lf.ParameterError, match=r"thickness of a = .* is not positive"):
-        Layer(flat("a", 2.0, 0.0), thickness)
+        Layer(flat(2.0, 0.0, name="a"), thickness)
 
 
 def test_light_cannot_come_from_beyond_grazing():
-    film = Film((Layer(flat("a", 2.0, 0.0), 1e-7),))
+    film = Film((Layer(flat(2.0, 0.0, name="a"), 1e-7),))
     with pytest.raises(lf.ParameterError, match="incidence"):
         film.optics(5e-7, np.pi / 2)

@@ -24,12 +24,9 @@ from lightflyer.film.computed import with_measurements
 from lightflyer.film.optics.averages import heat_shares
 from lightflyer.film.properties import FilmProperties
 
+from .conftest import flat
+
 TACS = {"tac_top": lf.Measured(0.8), "tac_bottom": lf.Measured(0.8)}
-
-
-def flat(n, k):
-    table = np.array([1e-7, 4e-3]), np.array([n, n]), np.array([k, k])
-    return tabulated_material(f"flat {n} {k}", *table, density=1000.0)
 
 
 @pytest.fixture(scope="module")

@@ -18,7 +18,7 @@ import numpy as np
 from lightflyer.core import constants
 from lightflyer.core.entry_point import entry_point
 from lightflyer.design.setup import Setup
-from lightflyer.design.tables import LEVITATION, tabulate
+from lightflyer.design.tables import LEVITATION, group_of, tabulate
 from lightflyer.environment.atmosphere.earth import Lu2023Atmosphere
 from lightflyer.environment.chamber import Chamber
 from lightflyer.environment.radiation import Radiation
@@ -126,8 +126,12 @@ def behaviour(
     gas_temperature: Any,
     irradiance: Any = constants.SOLAR_CONSTANT_LU2023,
     incidence: Any = 0.0,
+    names: tuple[str, ...] = (),
 ) -> Table:
-    """Outputs of a disk at many points, with the paper's gas, gravity and rounded constant."""
+    """Outputs of a disk at many points, with the paper's gas, gravity and rounded constant.
+
+    ``names``: of those that are asked for, by default all.
+    """
 
     def batch(
         diameter: np.ndarray,
@@ -148,12 +152,12 @@ def behaviour(
             ),
         )
         disk = Disk(film=properties, radius=0.5 * diameter)
-        return _tabulate(Setup(disk, chamber, model), pressure, irradiance)
+        return _tabulate(Setup(disk, chamber, model), pressure, irradiance, names)
 
     given = (diameter, pressure, gas_temperature, irradiance, incidence)
     arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in given))
     table = in_batches(batch, [array.ravel() for array in arrays], POINTS)
-    for group in ("", LEVITATION):
+    for group in {"", LEVITATION} & {group_of(name) for name in names or table}:
         converged = table.pop(group + "converged") > 0.5
         status = np.where(
             converged, int(SolverStatus.CONVERGED), int(SolverStatus.TOLERANCE_MISSED)
@@ -169,7 +173,12 @@ def atmosphere(altitude: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def over_altitude(
-    column: Column, altitude: Any, diameter: Any, irradiance: Any, incidence_deg: float = 0.0
+    column: Column,
+    altitude: Any,
+    diameter: Any,
+    irradiance: Any,
+    incidence_deg: float = 0.0,
+    names: tuple[str, ...] = (),
 ) -> Table:
     """Outputs of the germanium-coated disk in the paper's atmosphere; ``incidence_deg`` [deg]."""
     pressure, temperature = atmosphere(altitude)
@@ -181,6 +190,7 @@ def over_altitude(
         gas_temperature=temperature,
         irradiance=irradiance,
         incidence=math.radians(incidence_deg),
+        names=names,
     )
 
 

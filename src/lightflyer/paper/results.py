@@ -76,7 +76,8 @@ def bands(
 
     def margin(altitude: Any) -> np.ndarray:
         light = constants.SOLAR_CONSTANT_LU2023
-        table = over_altitude(column, altitude, diameters, light, incidence_deg)
+        asked = ("lift_over_weight",)
+        table = over_altitude(column, altitude, diameters, light, incidence_deg, asked)
         return table["lift_over_weight"] - 1.0
 
     best, height = _maximum(margin, *SEARCHED_ALTITUDES)
@@ -95,8 +96,8 @@ def best_payload(column: Column, diameter: Any) -> tuple[np.ndarray, np.ndarray]
     diameters = np.atleast_1d(np.asarray(diameter, float))
 
     def relative(altitude: np.ndarray) -> np.ndarray:
-        table = over_altitude(column, altitude, diameters, constants.SOLAR_CONSTANT_LU2023)
-        return table["relative_payload"]
+        light, asked = constants.SOLAR_CONSTANT_LU2023, ("relative_payload",)
+        return over_altitude(column, altitude, diameters, light, names=asked)["relative_payload"]
 
     best, payload = _maximum(relative, *SEARCHED_ALTITUDES)
     return np.round(best, _MILLIMETRES), payload

@@ -1,4 +1,8 @@
-"""Public reports of readers of spectra and tables: inputs of our own, values by hand."""
+"""Public reports of readers of spectra and tables: inputs of our own, values by hand.
+
+`lab/test_spectra.py` has the cases of https://github.com/nzhagen/jcamp/pull/36 and issues/46, and
+of https://github.com/spectrochempy/spectrochempy/issues/858.
+"""
 
 import struct
 from pathlib import Path
@@ -11,7 +15,7 @@ from lightflyer.files.table import read_table
 from lightflyer.files.table_layout import Column
 from lightflyer.lab.readers.formats import Source
 from lightflyer.lab.readers.interpretation import ReadOptions, interpret_spectrum
-from lightflyer.lab.readers.spectrum_data import format_of, read_raw, read_spectrum
+from lightflyer.lab.readers.spectrum_data import format_of, read_raw
 
 
 def read(name, content, **wanted):
@@ -61,12 +65,8 @@ LINES, PAIRS = "##XYDATA=(X++(Y..Y))\n", "##XYPOINTS=(XY..XY)\n"
             1000 + 3.3 * np.arange(5),
             [100, 200, 300, 400, 500],
         ),
-        # https://github.com/nzhagen/jcamp/pull/36: J0T is twice a difference of 10
-        (LINES + "1000A0J0T", 1002, 3, [1000, 1001, 1002], [10, 20, 30]),
         # https://github.com/nzhagen/jcamp/issues/13: @ is 0, %T twice a difference of 0
         (LINES + "1000@%TK5", 1003, 4, [1000, 1001, 1002, 1003], [0, 0, 0, 25]),
-        # https://github.com/nzhagen/jcamp/issues/46: an ordinate without a value is left out
-        (LINES + "1000 100 ? 300 400", 1003, 4, [1000, 1002, 1003], [100, 300, 400]),
         # https://github.com/ComPlat/chem-spectra-app/issues/242: pairs have factors too
         (PAIRS + "1000, 855; 1003, 745; 1010, 410", 1010, 3, [1000, 1003, 1010], [855, 745, 410]),
     ],
@@ -128,16 +128,6 @@ def test_abscissae_have_no_exponent(bits, flag):
     found = read("case.spc", content)
     assert found.wavenumber / 100.0 == pytest.approx(WAVES)
     assert found.value == pytest.approx(SHARES, rel=1e-3 if flag else 1e-6)
-
-
-@pytest.mark.parametrize("turned", [1, -1])
-def test_an_order_of_wavenumbers_does_not_matter(write, turned):
-    """https://github.com/spectrochempy/spectrochempy/issues/858: values stood the other way."""
-    rows = [f"{x:.1f},{100 * y:.3f}\n" for x, y in zip(WAVES, SHARES, strict=True)][::turned]
-    found = read_spectrum(write("wavenumber [cm^-1],T [%]\n" + "".join(rows)))
-    order = np.argsort(found.wavenumber)
-    assert found.wavenumber[order] / 100.0 == pytest.approx(WAVES)
-    assert found.value[order] == pytest.approx(SHARES)
 
 
 CURRENT = (Column("current", Quantity("A"), required=True), Column("time", Quantity("s")))

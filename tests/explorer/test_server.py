@@ -86,9 +86,6 @@ def test_own_page_is_answered_and_may_be_linked_to(site):
     assert site.request("POST", "/api/open", b"{}", own)[0] == 200
     linked = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
     assert site.request("GET", "/", None, linked)[0] == 200
-
-
-def test_address_is_the_loopback_alone(site):
     assert [listener.getsockname()[0] for listener in site.listeners] == ["127.0.0.1"]
 
 

@@ -9,7 +9,6 @@ from lightflyer.film import (
     EmittanceCurve,
     Film,
     Layer,
-    Spectrum,
     absorptance,
     am0,
     emittance,
@@ -144,12 +143,6 @@ def test_sunlight_absorbed_is_the_weighted_mean_over_its_own_table():
     spectral = film.optics(wavelength, 0.5).polarisation_mean()
     expected = (weight @ (1.0 - spectral.reflectance - spectral.transmittance)) / weight.sum()
     assert absorptance(film, incidence=0.5).value == pytest.approx(expected, rel=1e-12)
-
-
-def test_one_colour_is_the_spectral_absorptance():
-    line = Spectrum("line", np.array([0.5e-6, 0.5e-6 * (1 + 1e-12)]), np.ones(2))
-    optics = nominal().optics(0.5e-6).polarisation_mean()
-    assert absorptance(nominal(), line).value == pytest.approx(optics.absorptance, rel=1e-9)
 
 
 def test_the_curve_follows_the_emittance_everywhere():

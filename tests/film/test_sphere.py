@@ -176,19 +176,6 @@ def test_small_spheres_absorb_as_a_dipole():
     assert mie(m, size).absorption == pytest.approx(dipole, rel=1e-5)
 
 
-def test_impossible_spheres_are_refused_in_a_line():
-    for index, size, word in (
-        (1.5, 0.0, "size = 0"),
-        (1.5, -1.0, "size = -1"),
-        (1.5, np.nan, "size = nan"),
-        (1.5, 1e7, "size = 1e"),
-        (-1.5, 1.0, "index"),
-        (np.nan, 1.0, "index"),
-    ):
-        with pytest.raises(ParameterError, match=word):
-            mie(index, size)
-
-
 # --- averages ---
 
 
@@ -245,15 +232,26 @@ def test_missing_data_and_what_stands_for_them_are_named():
     assert sphere_absorption(flat(1.5, 0.1), 1e-6).diagnostics == ()
 
 
-def test_spheres_that_cannot_be_computed_are_refused_in_a_line():
-    carbon = material("a-C", extrapolation="hold")
-    for medium, radius, light, word in (
-        (carbon, -1e-6, None, "radius = -1e-06"),
-        (carbon, "1 kg", None, "kg"),
-        (carbon, 1.0, None, "too large for the theory of Mie"),
-        (material("a-C"), 1e-6, spectral_line(10e-6), "no power"),
-        (Graded((carbon, vacuum()), [0.9], [0.1]), 1e-6, None, "uniform"),
-    ):
-        with pytest.raises(ParameterError, match=word) as error:
-            sphere_absorption(medium, radius, light)
-        assert "\n" not in str(error.value)
+CARBON = material("a-C", extrapolation="hold")
+
+
+@pytest.mark.parametrize(
+    ("compute", "arguments", "word"),
+    [
+        (mie, (1.5, 0.0), "size = 0"),
+        (mie, (1.5, -1.0), "size = -1"),
+        (mie, (1.5, np.nan), "size = nan"),
+        (mie, (1.5, 1e7), "size = 1e"),
+        (mie, (-1.5, 1.0), "index"),
+        (mie, (np.nan, 1.0), "index"),
+        (sphere_absorption, (CARBON, -1e-6), "radius = -1e-06"),
+        (sphere_absorption, (CARBON, "1 kg"), "kg"),
+        (sphere_absorption, (CARBON, 1.0), "too large for the theory of Mie"),
+        (sphere_absorption, (material("a-C"), 1e-6, spectral_line(10e-6)), "no power"),
+        (sphere_absorption, (Graded((CARBON, vacuum()), [0.9], [0.1]), 1e-6), "uniform"),
+    ],
+)
+def test_impossible_spheres_are_refused_in_a_line(compute, arguments, word):
+    with pytest.raises(ParameterError, match=word) as error:
+        compute(*arguments)
+    assert "\n" not in str(error.value)

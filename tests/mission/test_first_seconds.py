@@ -25,12 +25,14 @@ def still_air(isothermal_air):
     return dataclasses.replace(isothermal_air, radiation=DARK, sky=None)
 
 
+def fly(flyer, air, altitude, duration, velocity=None, **more):
+    release = lf.Release(altitude, **PLACE, velocity=velocity)
+    return lf.fly(flyer, air, lf.FreeMolecular(), release=release, duration=duration, **more)
+
+
 def test_where_there_is_no_air_it_flies_a_parabola_that_the_turning_earth_bends(disk):
     speed, seconds, altitude = 300.0, 60.0, 700e3
-    flown = lf.fly(
-        disk, lf.Earth(radiation=DARK), lf.FreeMolecular(), duration=seconds,
-        release=lf.Release(altitude, **PLACE, velocity=(0.0, 0.0, speed)),
-    )  # fmt: skip
+    flown = fly(disk, lf.Earth(radiation=DARK), altitude, seconds, (0.0, 0.0, speed))
 
     def fall(_, state):
         return [state[1], -9.80665 * (6_356_766.0 / (6_356_766.0 + state[0])) ** 2]
@@ -53,10 +55,7 @@ def test_linear_drag_stops_it_after_mass_times_speed_over_drag(
     """Edgewise: free molecules and slow flow of dense gas in series."""
     speed, altitude = 90.0, 60e3
     flyer = closed_form_disk(1e-2)
-    flown = lf.fly(
-        flyer, still_air, lf.FreeMolecular(), duration="2 min", every="1 min",
-        release=lf.Release(altitude, **PLACE, velocity=speed * np.array(direction)),
-    )  # fmt: skip
+    flown = fly(flyer, still_air, altitude, "2 min", speed * np.array(direction), every="1 min")
     pressure, gas = 5.0 * np.exp(10e3 / 6500.0), lf.gas.US1976_AIR
     thermal = np.sqrt(2.0 * float(gas.specific_gas_constant) * 220.0)
     faces = 4.0 / np.sqrt(np.pi) + np.sqrt(np.pi)
@@ -97,11 +96,8 @@ def test_a_fall_from_thin_air_is_that_of_newtons_law(up, closed_form_disk, still
     altitude, flyer, air = 135e3, closed_form_disk(1e-2, inertia=0.0), still_air
     velocity = None if up is None else (0.0, 0.0, up)
     times = np.arange(0.0, 1801.0, 60.0)
-    flown = lf.fly(
-        flyer, air, lf.FreeMolecular(), duration="30 min", every="1 min",
-        release=lf.Release(altitude, **PLACE, velocity=velocity),
-        ensemble=lf.mission.Ensemble(5, drag=0.2, waves=0.0),
-    )  # fmt: skip
+    ensemble = lf.mission.Ensemble(5, drag=0.2, waves=0.0)
+    flown = fly(flyer, air, altitude, "30 min", velocity, every="1 min", ensemble=ensemble)
     gas, mass = lf.gas.US1976_AIR, 1e-3 * np.pi * 5e-3**2
     thermal = np.sqrt(2.0 * float(gas.specific_gas_constant) * 220.0)
     slow = 16.0 * float(gas.viscosity(220.0)) * 5e-3
@@ -127,24 +123,17 @@ def test_a_fall_from_thin_air_is_that_of_newtons_law(up, closed_form_disk, still
 def test_a_velocity_that_is_uncertain_scatters_the_ensemble(closed_form_disk, still_air):
     """After one time constant of free flight members are where their velocities carried them."""
     spread, seconds = 20.0, 60.0
-    flown = lf.fly(
-        closed_form_disk(1e-2), still_air, lf.FreeMolecular(), duration=seconds,
-        release=lf.Release("190 km", **PLACE, velocity=(0.0, 0.0, 500.0)),
-        ensemble=lf.mission.Ensemble(200, velocity=spread, drag=0.0, waves=0.0, seed=3),
-    )  # fmt: skip
+    ensemble = lf.mission.Ensemble(200, velocity=spread, drag=0.0, waves=0.0, seed=3)
+    up = (0.0, 0.0, 500.0)
+    flown = fly(closed_form_disk(1e-2), still_air, "190 km", seconds, up, ensemble=ensemble)
     metres = np.radians(flown.ensemble_end_latitude.values - 45.0) * 6.55e6
     assert metres.std() == pytest.approx(spread * seconds, rel=0.17)  # 3.5 standard errors
     assert flown.ensemble_end_altitude.values.std() == pytest.approx(spread * seconds, rel=0.17)
 
 
 def test_a_release_from_an_aircraft_is_soon_one_at_rest(disk):
-    ends = [
-        lf.fly(
-            disk, lf.Earth(radiation=DARK), lf.FreeMolecular(), duration="1 h",
-            release=lf.Release("12 km", **PLACE, velocity=velocity),
-        )
-        for velocity in (None, (60.0, 0.0, 2.0))
-    ]  # fmt: skip
+    dark = lf.Earth(radiation=DARK)
+    ends = [fly(disk, dark, "12 km", "1 h", velocity) for velocity in (None, (60.0, 0.0, 2.0))]
     assert float(ends[1].end_altitude) == pytest.approx(float(ends[0].end_altitude), abs=0.3)
     assert float(ends[1].release_balance) <= 10.0
     density = 0.3119  # kg/m³, of the standard atmosphere at 12 km

@@ -105,19 +105,16 @@ def test_earths_light_is_the_same_in_templates_files_and_python(kind, write):
     assert lf.Earth().radiation.infrared_below == EARTH_INFRARED
 
 
-def test_a_key_of_another_choice_is_refused_by_naming_that_choice(tmp_path):
-    path = tmp_path / "flyer.toml"
-    wrong = {
-
-        ('atmosphere = "us1976"', 'atmosphere = "us1976"\nf107 = 150'):
-            r':\d+: environment.f107 belongs to kind = "earth"; remove it',
-        ('atmosphere = "us1976"', 'radius = "15 cm"'):
-            r':\d+: environment.radius belongs to kind = "chamber"; remove it',
-    }  # fmt: skip
-    for (old, new), message in wrong.items():
-        path.write_text(TEMPLATES["earth"].replace(old, new), encoding="utf-8")
-        with pytest.raises(lf.ConfigurationError, match=message):
-            read_flyer_file(path)
+@pytest.mark.parametrize(
+    ("key", "kind"),
+    [('atmosphere = "us1976"\nf107 = 150', "earth"), ('radius = "15 cm"', "chamber")],
+)
+def test_a_key_of_another_choice_is_refused_by_naming_that_choice(write, key, kind):
+    path = write(TEMPLATES["earth"], "flyer.toml", ('atmosphere = "us1976"', key))
+    name = key.splitlines()[-1].split(" ")[0]
+    message = rf':\d+: environment.{name} belongs to kind = "{kind}"; remove it'
+    with pytest.raises(lf.ConfigurationError, match=message):
+        read_flyer_file(path)
 
 
 OF_SECTIONS_IN_COMMENTS = (

@@ -1,9 +1,9 @@
 import tomllib
-from importlib import resources
 
 import pytest
 
 import lightflyer as lf
+from lightflyer.cli.commands.init import templates
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.config.update import emittance_keys, measured_text, tac_keys, update_flyer_file
 from lightflyer.lab.estimate import Estimate
@@ -78,10 +78,9 @@ def test_what_is_unlikely_is_written_only_if_one_insists(flyer_file, estimate, s
     assert f'tac_top = "{measured_text(estimate)}"' in path.read_text(encoding="utf-8")
 
 
-def test_a_file_without_a_film_is_refused_in_one_line(tmp_path):
-    path = tmp_path / "sandwich.toml"
-    text = (resources.files("lightflyer") / "data" / "flyer-sandwich.toml").read_text("utf-8")
-    path.write_text(text, encoding="utf-8")
+def test_a_file_without_a_film_is_refused_in_one_line(write):
+    text = templates()["sandwich"].read()
+    path = write(text, "sandwich.toml")
     with pytest.raises(lf.ConfigurationError) as caught:
         update_flyer_file(path, {("film", "tac_bottom"): VALUE}, "x")
     assert str(caught.value) == (

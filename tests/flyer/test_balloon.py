@@ -149,14 +149,6 @@ def test_opaque_closed_envelope_has_nothing_to_do_with_its_inner_face():
             assert lost == pytest.approx(0.6 * black * (1.2**4 - 1.0), rel=1e-12)
 
 
-def test_no_excess_is_above_the_bound():
-    state = state_at()
-    for excess in (1e-9, 0.1, 3.0, -0.5):
-        with lf.float64():
-            (power,) = balloon_of().heat_losses(state, (excess,))
-            assert abs(excess) <= float(balloon_of().highest_excess(state, power)) * (1.0 + 1e-14)
-
-
 def test_mass_and_description():
     flyer = balloon_of(payload=2.0)
     area = 4.0 * np.pi * 9.0 - np.pi * 0.36

@@ -171,7 +171,10 @@ def test_a_material_of_a_file(read):
     file = read("carbon")
     design, carbon = file.design(), lf.film.material("a-C", extrapolation="hold")
     found = lf.film.sphere_absorption(carbon, 5e-7)
-    assert design.setup.flyer.absorption_efficiency == found.absorption_efficiency
+    flyer = design.setup.flyer
+    assert flyer.absorption_efficiency == found.absorption_efficiency
+    assert flyer.asymmetry == found.asymmetry
+    assert flyer.emittance(300.0) == found.emittance(300.0)
     assert any("a-C" in text for text in design.warnings)
     sizes = np.array([0.31, 0.57, 0.93, 1.7, 2.9])  # diameters [µm]
     with lf.float64():
@@ -277,6 +280,18 @@ def test_a_film_outside_the_flyer_is_a_mistake(read):
     film = FILES["sandwich"].partition("[flyer.bottom]")[2]
     with pytest.raises(lf.ConfigurationError, match=r"\[film\] does not belong to shape"):
         read("sandwich", more=f"[film]{film}")
+
+
+@pytest.mark.parametrize("kind", ["balloon", "plate", "sandwich", "sphere"])
+def test_no_excess_is_above_the_bound(read, kind):
+    """Even in vacuum, where radiation alone cools."""
+    flyer = read(kind).build().flyer
+    radiation = lf.environment.Radiation(0.0)
+    state = lf.environment.EnvironmentState(5500.0, 220.0, 9.7, lf.gas.AIR, radiation)
+    for excess in (1e-9, 0.1, 0.3, 2.0, 3.0, -0.5):
+        with lf.float64():
+            power = sum(flyer.heat_losses(state, (excess,) * (1 if kind == "balloon" else 2)))
+            assert abs(excess) <= float(flyer.highest_excess(state, power)) * (1.0 + 1e-14)
 
 
 @pytest.mark.parametrize(

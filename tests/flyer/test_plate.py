@@ -81,9 +81,6 @@ def test_light_from_below_and_heat_are_those_of_two_films_with_holes(plate, film
         ):
             np.testing.assert_allclose(mine, theirs, rtol=1e-12)
         assert plate.heat_losses(state, (0.0, 0.0)) == (0.0, 0.0)
-        for excess in (1e-9, 0.3, 2.0):
-            power = sum(plate.heat_losses(state, (excess, excess)))
-            assert excess <= float(plate.highest_excess(state, power)) * (1.0 + 1e-14)
 
 
 @pytest.mark.parametrize(

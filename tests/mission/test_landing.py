@@ -134,18 +134,19 @@ RELEASE = {"latitude": 60.0, "longitude": 165.0, "time": "2026-06-21T12:00Z"}
 SPREAD = {"wind": 4.0, "correlation": 30_000.0, "drag": 0.05, "altitude": 300.0, "distance": 2e3}
 FLIGHTS = 300
 THICKNESS, DISK_RADIUS, TOP = 1e-3, 5e-3, 29e3  # kg/m², m, m
+FILM = lf.FilmProperties(THICKNESS, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
+DARK = lf.environment.Radiation(0.0)
 
 
 @pytest.fixture(scope="module")
 def landed():
-    film = lf.FilmProperties(THICKNESS, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     ensemble = lf.mission.Ensemble(
         FLIGHTS, wind=SPREAD["wind"], wind_correlation_time=SPREAD["correlation"],
         waves=0.0, drag=SPREAD["drag"], altitude=SPREAD["altitude"], distance=SPREAD["distance"],
     )  # fmt: skip
-    earth = lf.Earth(radiation=lf.environment.Radiation(0.0), wind=Field())
+    earth = lf.Earth(radiation=DARK, wind=Field())
     return lf.fly(
-        lf.Disk(film, DISK_RADIUS), earth, lf.FreeMolecular(), release=lf.Release(TOP, **RELEASE),
+        lf.Disk(FILM, DISK_RADIUS), earth, lf.FreeMolecular(), release=lf.Release(TOP, **RELEASE),
         duration="60 h", ensemble=ensemble, landing=lf.mission.Landing(objects=1000),
     )  # fmt: skip
 
@@ -284,11 +285,9 @@ def test_a_summary_says_what_an_officer_asks(landed):
 
 
 def test_times_below_levels_do_not_hang_on_what_is_kept(landed):
-    film = lf.FilmProperties(THICKNESS, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
-    earth = lf.Earth(radiation=lf.environment.Radiation(0.0))
     flown = lf.fly(
-        lf.Disk(film, DISK_RADIUS), earth, lf.FreeMolecular(), release=lf.Release(TOP, **RELEASE),
-        duration="60 h", every="1 min",
+        lf.Disk(FILM, DISK_RADIUS), lf.Earth(radiation=DARK), lf.FreeMolecular(),
+        release=lf.Release(TOP, **RELEASE), duration="60 h", every="1 min",
     )  # fmt: skip
     for level in ("fl100", "fl245", "fl600"):
         stated = float(flown[f"below_{level}"])
@@ -305,9 +304,8 @@ def test_geojson_has_the_areas(landed, tmp_path):
 
 
 def test_a_mission_far_above_the_ground_says_nothing_of_landings():
-    film = lf.FilmProperties(THICKNESS, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     flown = lf.fly(
-        lf.Disk(film, 1e-3), lf.Earth(), lf.FreeMolecular(), duration="1 h",
+        lf.Disk(FILM, 1e-3), lf.Earth(), lf.FreeMolecular(), duration="1 h",
         release=lf.Release("75 km", **RELEASE),
     )  # fmt: skip
     assert landings_of(flown) is None

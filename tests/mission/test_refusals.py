@@ -15,6 +15,7 @@ PLACE = {"latitude": 45.0, "longitude": 10.0, "time": "2026-06-21T12:00Z"}
 REST = lf.Release("75 km", **PLACE)
 STATION = Circle(20.2, -179.9, "60 km")
 BALLOON = lf.Balloon(lf.FilmProperties(1e-2, 0.9, 0.5, 0.5, 0.9, 0.9), radius=3.0)
+SPHERE = lf.Sphere(2e-6, 0.8, 0.3, 0.4, tac_top=0.8, tac_bottom=0.9, density=1500.0)
 TOWARDS = {"release": lf.Release("20 km", **PLACE), "duration": "1 h",
            "attitude": lf.mission.TowardsStation(STATION)}  # fmt: skip
 
@@ -79,6 +80,14 @@ def carry(payload, altitude=72e3, **more):
                 BALLOON, EARTH, lf.BalloonConvection(), **TOWARDS, ensemble=Ensemble(3)
             ),
             "a balloon hangs upright",
+        ),
+        (
+            lambda: fly(SPHERE, model=lf.KineticSphere(), attitude=lf.mission.FollowSun()),
+            "FollowSun: a sphere has no tilt: its lower half",
+        ),
+        (
+            lambda: drift_over_altitude(lf.Setup(SPHERE, EARTH, lf.KineticSphere())),
+            "a sphere has no tilt",
         ),
         (lambda: lf.mission.ChooseWind(STATION, "80 km", "70 km"), "highest of the winds"),
         (lambda: Ensemble(members=2, waves=1.0).waves_over(lf.Mars()), "over Mars leave waves out"),

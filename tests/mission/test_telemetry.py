@@ -1,7 +1,6 @@
 """Passes over receivers, against spherical trigonometry and the power that a link takes."""
 
 import csv
-from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -9,6 +8,7 @@ from scipy.optimize import brentq
 
 import lightflyer as lf
 from lightflyer.budget.payload import RadioLink
+from lightflyer.cli.commands.init import templates
 from lightflyer.mission.path.integration import ALTITUDE_SCALE, Trajectory
 from lightflyer.mission.report.ground import Receiver, margin, passes_of, write_passes_csv
 
@@ -92,11 +92,10 @@ noise_temperature = "300 K"
 
 
 @pytest.mark.slow
-def test_a_mission_tells_its_passes(tmp_path):
-    path, template = tmp_path / "mission.toml", files("lightflyer") / "data" / "mission.toml"
-    text = template.read_text(encoding="utf-8").replace('duration = "48 h"', 'duration = "3 h"')
-    path.write_text(text + MISSION, encoding="utf-8")
-    mission = lf.mission.read_mission_file(path)
+def test_a_mission_tells_its_passes(write, tmp_path):
+    text = templates()["mission"].read() + MISSION
+    shorter = ('duration = "48 h"', 'duration = "3 h"')
+    mission = lf.mission.read_mission_file(write(text, "mission.toml", shorter))
     every = [lf.fly(mission.design, **mission.arguments() | {"every": s}) for s in (60.0, 3600.0)]
     found, sparse = (lf.mission.summarise(flown)["telemetry"] for flown in every)
     assert found == sparse  # from the flight, not from what is kept of it
@@ -116,9 +115,8 @@ def test_a_mission_tells_its_passes(tmp_path):
     assert float(row["farthest_km"]) == pytest.approx(one["farthest_km"])
 
 
-def test_a_receiver_needs_a_name(tmp_path):
-    path, template = tmp_path / "mission.toml", files("lightflyer") / "data" / "mission.toml"
+def test_a_receiver_needs_a_name(write):
     nameless = MISSION.replace('name = "Munich"\n', "")
-    path.write_text(template.read_text(encoding="utf-8") + nameless, encoding="utf-8")
+    path = write(templates()["mission"].read() + nameless, "mission.toml")
     with pytest.raises(lf.ConfigurationError, match="receivers"):
         lf.mission.read_mission_file(path)

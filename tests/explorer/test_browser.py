@@ -145,11 +145,7 @@ def test_a_move_is_undone_by_button_and_browser(page):
     page.go_back()
     until(page, SHOWS("2 cm"))
     settled(page)
-
-
-def test_a_move_after_an_undone_one_is_undone(page):
-    until(page, "location.hash.includes('flyer.diameter=2+cm')")
-    for diameter in ("3 cm", "4 cm"):
+    for diameter in ("3 cm", "4 cm"):  # and one after an undone one
         step_to(page, diameter)
         page.click("#undo")
         until(page, SHOWS("2 cm"))

@@ -85,13 +85,16 @@ def test_wrong_address_is_one_line(address, words):
     assert len(str(caught.value)) < 200
 
 
+def layered(**changes):
+    """The design of layers, with another film."""
+    return DOCUMENTS["layers"] | {"film": DOCUMENTS["layers"]["film"] | changes}
+
+
 @pytest.mark.parametrize("before", ["", " ", "\t", "\u00a0", " \n\u3000"])
 @pytest.mark.parametrize("name", ["/etc/hostname.csv", "../secret.csv", "~/x.csv", "C:\\x.csv"])
 def test_page_names_no_files_elsewhere(name, before, workplace):
-    document = copy.deepcopy(DOCUMENTS["layers"])
-    document["film"]["spectrum"] = before + name
     with pytest.raises(lf.ConfigurationError, match="outside the folder"):
-        workplace.design(document)
+        workplace.design(layered(spectrum=before + name))
 
 
 def test_links_within_the_folder_lead_nowhere_else(tmp_path):
@@ -101,17 +104,13 @@ def test_links_within_the_folder_lead_nowhere_else(tmp_path):
     (secret / "x.csv").write_text("user,password\n", encoding="utf-8")
     (folder / "within").symlink_to(secret)
     place = Workplace(folder, "flyer.toml", DOCUMENTS["layers"])
-    document = copy.deepcopy(DOCUMENTS["layers"])
-    document["film"]["spectrum"] = "within/x.csv"
     with pytest.raises(lf.ConfigurationError, match="outside the folder"):
-        place.design(document)
+        place.design(layered(spectrum="within/x.csv"))
 
 
 def test_number_of_layers_is_limited():
-    document = copy.deepcopy(DOCUMENTS["layers"])
-    document["film"]["layers"] *= 100
     with pytest.raises(lf.ConfigurationError, match="at most 40 layers here"):
-        require_document(document)
+        require_document(layered(layers=[{"material": "Al", "thickness": "50 nm"}] * 400))
 
 
 def test_files_that_the_opened_file_names_may_be_anywhere(tmp_path):
@@ -119,9 +118,7 @@ def test_files_that_the_opened_file_names_may_be_anywhere(tmp_path):
     spectrum.parent.mkdir()
     rows = "\n".join(f"{wavelength}, 1" for wavelength in range(400, 701, 50))
     spectrum.write_text(f"wavelength [nm], irradiance [W/m^2/nm]\n{rows}\n", encoding="utf-8")
-    document = copy.deepcopy(DOCUMENTS["layers"])
-    document["film"]["spectrum"] = str(spectrum)
-    document["film"]["layers"] = [{"material": "Al", "thickness": "50 nm"}]
+    document = layered(spectrum=str(spectrum), layers=[{"material": "Al", "thickness": "50 nm"}])
     path = tmp_path / "home" / "flyer.toml"
     path.parent.mkdir()
     path.write_text(to_toml(document), encoding="utf-8")

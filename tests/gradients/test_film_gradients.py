@@ -3,7 +3,6 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 import tmm
 from jax.test_util import check_grads
 
@@ -96,7 +95,6 @@ def averages(x):
     return jnp.stack([absorptance(one, incidence=0.4).value, 10.0 * curve(300.0)])
 
 
-@pytest.mark.slow
 def test_averages_in_thickness():
     with lf.float64():
         x = jnp.array([2.0, 30.0])
@@ -114,7 +112,6 @@ def test_averages_traced_equal_concrete():
     np.testing.assert_allclose(traced, concrete, rtol=1e-12)
 
 
-@pytest.mark.slow
 def test_the_flyers_temperature_in_thickness():
     """Through layers, emittance curve and heat balance at once."""
 

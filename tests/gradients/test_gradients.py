@@ -47,7 +47,6 @@ def outcomes(x, model):
     )
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS.keys())
 def test_forward_and_reverse_derivatives(compiled, model):
     # in logarithms of the inputs, so that one step suits all of them
@@ -83,7 +82,6 @@ def test_second_derivatives(compiled):
         assert float(second(light)) == pytest.approx(float(expected), rel=1e-5)
 
 
-@pytest.mark.slow
 def test_jit_and_vmap_equal_the_plain_call(compiled):
     model = lf.Lu2023()
     plain = [outcomes(point, model) for point in POINTS]

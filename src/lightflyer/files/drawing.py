@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import matplotlib.style
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -76,7 +75,9 @@ def use_style(style: str | None) -> Iterator[None]:
         yield
         return
     own = f"lightflyer.data.{style}" if style in OWN_STYLES else style
-    with matplotlib.style.context(own):
+    from matplotlib.style import context  # reads all styles
+
+    with context(own):
         yield
 
 

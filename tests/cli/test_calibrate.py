@@ -42,7 +42,7 @@ def test_flyer_file_and_names_in_full(folder, run):
     run("init", "--kind", "chamber", "flyer.toml")
     _, printed, errors = run(
         "calibrate", "points.csv", "--flyer", "flyer.toml", "--free", "force.c_fm, c_cont",
-        "--pressure-accuracy", "0.5", "--irradiance-accuracy", "0 %", "--json",
+        "--pressure-accuracy", "50 %", "--irradiance-accuracy", "0 %", "--json",
     )  # fmt: skip
     parameters = json.loads(printed)["parameters"]
     assert parameters["force.c_fm"]["value"] == pytest.approx(0.45, rel=1e-4)

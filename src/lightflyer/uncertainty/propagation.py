@@ -8,7 +8,7 @@ distributions, cut off where a value is impossible, and repeats the prediction.
 """
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -86,6 +86,9 @@ class PredictionUncertainty(PrintedResult):
     seed: int
     coordinate: np.ndarray  #: shape (n,); altitude [m] or pressure [Pa] of the bands
     draws: np.ndarray  #: shape (samples, k); inputs of each sample
+    #: shape (samples, m); outputs of the samples that their results needed, at every second of the
+    #: coordinates of the bands; empty where these are others
+    found: Table = field(default_factory=dict)
     #: The results that are positive, and infinite in samples that have none
     endless: frozenset[str] = frozenset()
     #: The results that are edges of the band in which the flyer flies. First order has no 95 % band
@@ -156,8 +159,15 @@ class PredictionUncertainty(PrintedResult):
                 low[name], high[name] = _normal_ends(value, spread, positive=name == _POSITIVE)
             return low, high
         report("bands of the curves")
-        table = tabulate_samples(self.inputs, self.draws, self.coordinate, names)
-        for name, values in table.items():
+        fresh = [name for name in names if name not in self.found]
+        table = tabulate_samples(self.inputs, self.draws, self.coordinate, fresh)
+        if self.found:
+            rest = tabulate_samples(self.inputs, self.draws, self.coordinate[1::2], [*self.found])
+            for name, values in self.found.items():
+                table[name] = np.empty((self.samples, self.coordinate.size))
+                table[name][:, ::2], table[name][:, 1::2] = values, rest[name]
+        for name in names:
+            values = table[name]
             # an irradiance that does not exist is above any other; a temperature then is unknown
             whole = np.where(np.isnan(values), np.inf, values)
             ends = np.percentile(whole, COVERAGE, axis=0, method="nearest")
@@ -326,7 +336,7 @@ def propagate(
         )
         return None
     sampled: dict[str, np.ndarray] = {}
-    draws = np.zeros((0, inputs.values.size))
+    draws, found_near = np.zeros((0, inputs.values.size)), {}
     told: tuple[str, ...] = ()
     if samples:
         report("bands by Monte Carlo")
@@ -355,6 +365,9 @@ def propagate(
                     "tolerance; they count as places that no light lifts",
                 )
             tables.append((coordinates, table))
+            if not lit and over is None:
+                columns = np.searchsorted(coordinates, near[::2])
+                found_near = {name: table[name][:, columns] for name in names if name in BANDS}
         within = ((whole[0] <= place) & (place <= whole[-1]) for place, _ in tables)
         inside = [
             (place[chosen], {name: values[:, chosen] for name, values in table.items()})
@@ -372,6 +385,7 @@ def propagate(
         seed=seed,
         coordinate=near if over is None else np.asarray(over, float),
         draws=draws,
+        found=found_near,
         endless=frozenset(target.name for target in targets if target.quantity == _POSITIVE),
         edges=frozenset(target.name for target in targets if target.is_edge),
         warnings=told,

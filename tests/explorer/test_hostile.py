@@ -21,7 +21,7 @@ from lightflyer.explorer.state import plain
 JSON = {"Content-Type": "application/json"}
 REQUESTS, AT_ONCE = 400, 8
 KINDS, STRANGE = 10, (3, 4)  # of requests; those without the token
-GROWTH = 30e6  # of memory [byte]
+GROWTH = 20e6  # of memory [byte]; measured 3e6 to 5e6
 PATIENCE = 300  # s, until all that waits is done
 WAIT = 10.0  # of a slider, in those before: if it stood behind such designs, it were hundreds
 

@@ -19,10 +19,9 @@ import threading
 from typing import Any
 
 _FAILURE = 2
-_NO_ROOM = ("failed to map segment", "without exception set")  # of libraries, in their words
+_LEAST_MEMORY = 400_000_000  # bytes of addresses that NumPy, SciPy, xarray and Matplotlib take
 _RAISE_THE_LIMIT = (
-    b"lightflyer: error: libraries find no room in memory; raise the limit of it (ulimit -v), or\n"
-    b"free some\n"
+    b"lightflyer: error: libraries need 400 MB of memory; raise the limit of it (ulimit -v)\n"
 )
 
 _BY_SIGNAL = 128  # what the exit code is of, with a signal's number
@@ -55,6 +54,7 @@ _ON_A_TERMINAL = b"\x1b[?25h\n"  # show the cursor, which a progress bar hides; 
 def main() -> None:
     """Run the command line of this process."""
     _open_closed_streams()
+    _refuse_little_memory()
     _answer_signals()
     codecs.register_error(_SPELLED_OUT, _spell_out)
     for stream in (sys.stdout, sys.stderr):
@@ -65,20 +65,24 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait on matrices as small as ours
     # of a home that cannot be written, in which Matplotlib would keep its list of fonts
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    try:
-        from lightflyer.cli import main as run  # takes a while
-        from lightflyer.cli.code_cache import keep_code
-        from lightflyer.core.extras import hide_libraries
+    from lightflyer.cli import main as run  # takes a while
+    from lightflyer.cli.code_cache import keep_code
+    from lightflyer.core.extras import hide_libraries
 
-        hide_libraries()  # until an extra or a plug-in may need it
-        keep_code()
-        run()
-    except (MemoryError, ImportError, SystemError) as error:
-        # memory that ends while libraries load, or while its end is being said
-        if not isinstance(error, MemoryError) and not any(sign in str(error) for sign in _NO_ROOM):
-            raise
-        os.write(2, _RAISE_THE_LIMIT)
-        sys.exit(_FAILURE)
+    hide_libraries()  # until an extra or a plug-in may need it
+    keep_code()
+    run()
+
+
+def _refuse_little_memory() -> None:
+    # where memory ends while libraries load, some end the process, with many lines or none
+    if sys.platform == "linux":
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+        if limit != resource.RLIM_INFINITY and limit < _LEAST_MEMORY:
+            os.write(2, _RAISE_THE_LIMIT)
+            sys.exit(_FAILURE)
 
 
 def _open_closed_streams() -> None:

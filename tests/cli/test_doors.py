@@ -188,13 +188,13 @@ def test_closed_streams_change_nothing_else(flyer_file, tmp_path):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="of Linux")
-@pytest.mark.parametrize("limit", [150_000, 164_000, 170_000, 176_000, 200_000, 250_000, 300_000])
+@pytest.mark.parametrize("limit", [150_000, 390_000])
 def test_too_little_memory_for_libraries_is_a_line(flyer_file, limit):
-    """Where it ends depends on libraries; that of linear algebra ends the process itself."""
+    """Where it would end depends on libraries; that of linear algebra ends the process itself."""
     done = command("predict", flyer_file(), "--samples 0", prefix=f"ulimit -v {limit};")
-    if done.returncode:
-        assert len(unwrap(done.stderr)) == 1
-        assert "emory" in done.stderr
+    assert done.returncode == 2
+    assert len(unwrap(done.stderr)) == 1
+    assert "raise the limit" in done.stderr
 
 
 def test_a_library_that_finds_no_room_is_a_line(refuses, monkeypatch):

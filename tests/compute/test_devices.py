@@ -20,7 +20,6 @@ import json, sys
 import jax, numpy as np
 import lightflyer as lf
 from lightflyer.config.designs import as_design
-from lightflyer.compute import evaluation
 from lightflyer.compute.evaluation import Evaluator
 from lightflyer.study.study import make_study
 
@@ -31,8 +30,7 @@ over = {"altitude": {"from": "20 km", "to": "90 km", "points": 7},
 design = as_design(disk, lf.lu2023_earth(), lf.Lu2023())
 study = make_study(design, over, ("lift_over_weight", "temperature"))
 found = []
-for device in (None, "cpu"):
-    evaluation.FEW = 0  # by XLA
+for device in (None, "cpu"):  # by NumPy, and by XLA on all of them
     evaluate = Evaluator(study, device)
     evaluate.batch = 30  # neither a divisor of the designs nor a multiple of the devices
     outputs, failures = evaluate(0, study.size)
@@ -55,13 +53,13 @@ def on_several(program):
 
 
 @pytest.mark.slow
-def test_several_devices_find_what_one_does():
+def test_several_devices_find_what_numpy_does():
     answer = on_several(PROGRAM)
     assert answer["parts"] == DEVICES
-    one, several = answer["found"]
-    assert one["bad"] == several["bad"] == 0
-    for name, column in one.items():
-        np.testing.assert_allclose(several[name], column, rtol=1e-12)
+    here, several = answer["found"]
+    assert here["bad"] == several["bad"] == 0
+    for name, column in here.items():
+        np.testing.assert_allclose(several[name], column, rtol=1e-9)
         assert np.unique(np.abs(column)).size > 1 or name == "bad"
 
 

@@ -37,7 +37,7 @@ FILM = {
 def study():
     design = FlyerFile(flyer={"diameter": "2 cm"}, film=FILM, force={"model": "lu2023"}).design()
     entries = {
-        "flyer.diameter": np.linspace(0.005, 0.05, 600),
+        "flyer.diameter": np.linspace(0.005, 0.05, 300),
         "altitude": np.linspace(60e3, 90e3, 50),
     }
     return make_study(design, entries, ["lift", "payload"])
@@ -68,6 +68,10 @@ def run(folder, **options):
     return sweep_into(study(), folder / "killed.zarr", chunk=CHUNK, **options)
 
 
+def run_on(address, folder):
+    return run(folder, evaluator=StandIn(folder / "evaluations"), scheduler=address)
+
+
 def kill_repeatedly(folder, kills, seed):
     chance, log = random.Random(seed), folder / "evaluations"
     sweep_into(study(), folder / "undisturbed.zarr", chunk=CHUNK, evaluator=StandIn())
@@ -94,4 +98,4 @@ if __name__ == "__main__":
     if kills_or_address.isdigit():
         kill_repeatedly(folder, int(kills_or_address), int(sys.argv[3]))
     else:
-        run(folder, evaluator=StandIn(folder / "evaluations"), scheduler=kills_or_address)
+        run_on(kills_or_address, folder)

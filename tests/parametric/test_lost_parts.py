@@ -91,6 +91,11 @@ LOSSES = {
 }  # fmt: skip
 
 
+# designs that need not be computed anew; none where a description or a coordinate is lost
+FOUND = {CHUNK: 900, "journal has 9 of 10 chunks": 900, "journal has 0 of 10 chunks": 0,
+         "lift/c/0/0": 0, "/c/": 0}  # fmt: skip
+
+
 def by_map(folder, run):
     over = ("--x", "diameter", "--y", "altitude", "--value", "relative_payload")
     code, text, errors = run("map", folder, *over, "--out", folder.parent / "map")
@@ -149,9 +154,12 @@ def test_a_lost_part_is_a_line_for_all_who_read_and_mended(sweeps, design, tmp_p
         assert len(line.strip().splitlines()) == 1, name
     study = make_study(design, ENTRIES, VARIABLES)
     if "mends it" in line and "all records" not in loss:
-        sweep_into(study, folder, chunk=100, evaluator=outputs)
-        whole = lf.parametric.open_sweep(sweeps / "one").load()
-        xr.testing.assert_identical(lf.parametric.open_sweep(folder).load(), whole)
+        report = sweep_into(study, folder, chunk=100, evaluator=outputs)
+        found = FOUND.get(named, 1000)
+        assert (report.found, report.computed) == (found, 1000 - found)
+        for path in (sweeps / "one").rglob("[!j]*"):  # lines of the journal may change places
+            if path.is_file():
+                assert (folder / path.relative_to(sweeps / "one")).read_bytes() == path.read_bytes()
     else:
         before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
         with pytest.raises(lf.OutputError):

@@ -12,6 +12,7 @@ AVOGADRO: Final = 6.02214076e23  # Avogadro constant [1/mol]; exact, [CODATA2018
 STEFAN_BOLTZMANN: Final = 5.670374419e-8
 """Stefan-Boltzmann constant [W/(m² K⁴)]; exact to the digits shown, [CODATA2018]_."""
 
+ZERO_CELSIUS: Final = 273.15  # Zero of the Celsius scale [K]; exact, [BIPM2019]_
 STANDARD_GRAVITY: Final = 9.80665  # Standard acceleration of free fall [m/s²]; exact, [BIPM2019]_
 
 EARTH_EFFECTIVE_RADIUS: Final = 6_356_766.0

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
 
+from lightflyer.core.constants import ZERO_CELSIUS
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.text import in_toml
 
@@ -129,7 +130,7 @@ _DEFINITIONS = (  # names, and what one is: a factor, a power of ten, other unit
     ("ohm Ω", 1.0, 0, "V A^-1"),
 )
 _TEMPERATURE_SCALES = (  # names, kelvin of a degree, and of zero
-    ("celsius °C degC degreeC", 1.0, 273.15),
+    ("celsius °C degC degreeC", 1.0, ZERO_CELSIUS),
     ("fahrenheit °F degF degreeF", 5.0 / 9.0, 233.15 + 200.0 / 9.0),
 )
 _TOKEN = re.compile(r"([A-Za-zµμ°Ω%]+)(?:\*\*|\^)?(-?[1-9]|[²³])?|([/()])")

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, TypeVar,
 import numpy as np
 
 import lightflyer
+from lightflyer.core.constants import ZERO_CELSIUS
 from lightflyer.core.errors import ConfigurationError, Doubt
 from lightflyer.core.quantity import Quantity
 from lightflyer.files.result_text import Parts, PrintedResult, table_of, warning_lines
@@ -51,7 +52,7 @@ ABSORPTANCE = Quantity(
 AREA_RATIO = Quantity(likely=(0.5, 2.0), known="films cover a heater and not much else")
 """Effective over nominal area of a heater; [Lu2023]_ has 1.22."""
 
-_NOT_LOGGED = 273.15  # [K]: what loggers write of an input that nothing is connected to
+_NOT_LOGGED = ZERO_CELSIUS  # [K]: what loggers write of an input that nothing is connected to
 _MOST_REJECTED = 10  # rows, that a text lists
 
 

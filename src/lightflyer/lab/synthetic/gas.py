@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lightflyer.core.constants import ZERO_CELSIUS
 from lightflyer.core.units import Measured
 from lightflyer.environment.chamber import Chamber
 from lightflyer.film.properties import FilmProperties
@@ -40,7 +41,6 @@ _RELATIVE_NOISE = 0.01  # of the power
 _GAUGE_ERROR, _POWER_ERROR = 0.03, -0.005  # relative, of all rows
 _TEMPERATURE_NOISE = 0.05  # [K]
 _WARM_UP = (-9.0, -4.0, -1.6)  # offsets of the first rows, while the heater warms up [K]
-_ZERO = 273.15
 
 
 def force_files(seed: int = 0) -> dict[str, str]:
@@ -126,12 +126,12 @@ def tac_files(seed: int = 0, truth: TacTruth = PLATINUM) -> dict[str, str]:
     current = np.sqrt(power / resistance)
     rows = cells(
         ".1f .5g .6f .5f .3f", 10.0 * np.arange(80), pressure / TORR * 1e3, current * resistance,
-        current * 1e3, ambient - _ZERO,
+        current * 1e3, ambient - ZERO_CELSIUS,
     )  # fmt: skip
     header = ["time [s]", "pressure [mTorr]", "heater_voltage [V]", "heater_current [mA]",
               "ambient_temperature [°C]"]  # fmt: skip
     celsius = np.array([20.0, 30.0, 40.0, 50.0, 60.0])
-    ohms = _RESISTANCE * (1.0 + _PER_KELVIN * (celsius + _ZERO - _AT))
+    ohms = _RESISTANCE * (1.0 + _PER_KELVIN * (celsius + ZERO_CELSIUS - _AT))
     calibration = [",".join(row) for row in cells(".1f .5f", celsius, ohms)]
     head = [*lines, "temperature [°C],resistance [ohm]"]
     return {
@@ -173,7 +173,9 @@ def _power(
 
 def _reduce(rng: np.random.Generator, truth: TacTruth, lines: list[str]) -> str:
     pressure, power, heater, ambient = _run(rng, truth, 60)
-    rows = cells(".5g .5f .3f .3f", pressure, power * 1e3, heater - _ZERO, ambient - _ZERO)
+    rows = cells(
+        ".5g .5f .3f .3f", pressure, power * 1e3, heater - ZERO_CELSIUS, ambient - ZERO_CELSIUS
+    )
     header = ["Pressure (Pa)", "Heater Power (mW)", "Heater Temperature (°C)",
               "Ambient Temperature (°C)"]  # fmt: skip
     return faulty_table(lines, header, rows, rng, delimiter=";", decimal_comma=True, shuffled=True)

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from lightflyer.core.constants import BOLTZMANN, PLANCK, SPEED_OF_LIGHT
+from lightflyer.core.constants import BOLTZMANN, PLANCK, SPEED_OF_LIGHT, ZERO_CELSIUS
 from lightflyer.lab.synthetic import cells, faulty_table, label
 
 _NOISE = 0.002  # of shares
@@ -38,7 +38,7 @@ VISIBLE_REFLECTANCE, VISIBLE_TRANSMITTANCE = 0.15, 0.10
 
 BAND = (7.5e-6, 14e-6)  # Wavelengths that the synthetic camera sees [m]
 
-_HOTPLATE, _AMBIENT, _ZERO = 423.15, 295.15, 273.15  # [K]
+_HOTPLATE, _AMBIENT = 423.15, 295.15  # [K]
 _READ_NOISE = 0.2  # of one reading [K]
 _DRIFT = 0.3  # of the camera between one reading and the next, the same in all rows [K]
 _GAIN, _OFFSET = 0.02, 0.01  # the camera's errors over radiance, and over that of the ambient
@@ -158,7 +158,9 @@ def thermography_files(seed: int = 0) -> dict[str, str]:
     scene = background + shares * (source - background)
     read = scene * (1.0 + _GAIN * rng.normal()) + _OFFSET * background * rng.normal()
     apparent = np.array([apparent_temperature(one) for one in read]) + _DRIFT * rng.normal(size=4)
-    kelvin = [[one - _ZERO + _READ_NOISE * rng.normal() for one in apparent] for _ in range(_ROWS)]
+    kelvin = [
+        [one - ZERO_CELSIUS + _READ_NOISE * rng.normal() for one in apparent] for _ in range(_ROWS)
+    ]
     names = [f"{name} temperature (°C)" for name in ("Hotplate", "Lower", "Upper", "Ambient")]
     thermal = faulty_table(
         label("thermography", said), names, [[f"{one:.2f}" for one in row] for row in kelvin], rng,

@@ -20,7 +20,7 @@ from numpy.polynomial import Chebyshev
 
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.checks import require_positive, require_range
-from lightflyer.core.constants import STEFAN_BOLTZMANN
+from lightflyer.core.constants import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError, ParameterError
 from lightflyer.core.quantity import Length, Quantity
@@ -57,7 +57,6 @@ METER_LIMIT = 0.02
 """Largest error of linearity of a light meter of class B, over the reading [1]; [DIN5032]_."""
 
 BLACK = Measured(1.0, 0.0)  # Emissivity of a black body [1]
-ZERO_CELSIUS = 273.15  # [K]
 
 _PERCENT = 100.0
 _CLEAR = 5.0  # standard uncertainties by which the source must exceed the background

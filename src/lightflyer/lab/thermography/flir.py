@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from lightflyer.core.constants import ZERO_CELSIUS
 from lightflyer.core.errors import ConfigurationError
-from lightflyer.lab.thermography.data import ZERO_CELSIUS
 
 WATER = (1.5587, 0.06939, -2.7816e-4, 6.8455e-7)
 """Logarithm of the content of water of saturated air [g/m³] as a polynomial of the temperature in

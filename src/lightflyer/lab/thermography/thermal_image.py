@@ -14,6 +14,7 @@ from PIL import Image, UnidentifiedImageError
 
 from lightflyer.array.records import ShortRepr
 from lightflyer.core.checks import require_range
+from lightflyer.core.constants import ZERO_CELSIUS
 from lightflyer.core.entry_point import reads_units
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.quantity import Temperature
@@ -30,7 +31,7 @@ from lightflyer.lab.readers.formats import (
     require_sound_tiff,
 )
 from lightflyer.lab.thermography import flir
-from lightflyer.lab.thermography.data import THERMAL, ZERO_CELSIUS
+from lightflyer.lab.thermography.data import THERMAL
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

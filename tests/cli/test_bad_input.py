@@ -90,7 +90,7 @@ FLYERS = [
     ("earth", '# gas = "air"', 'gas = "helum"', "choose from air"),
     ("earth", "# gravity = \"9.8 m/s^2\"", 'gravity = "0 m/s^2"', "must be positive"),
     ("chamber", "[force]", '[force]\nreading = "said"', "choose from reported, printed"),
-    ("earth", '"520 K"', '"-300 °C"', "must be positive"),
+    ("earth", '"520 K"', '"-300 °C"', "must be above absolute zero"),
     ("earth", "[film]", "[film]\nlayers = []", "needs at least 1 entry"),
     ("earth", "[film]", '[film]\nlayers = "Ge"', "is not a list"),
     ("earth", "[film]\n", "[film]\n\0", "is not valid TOML"),

@@ -61,6 +61,8 @@ class Quantity:
     def allowed(self) -> str:
         """The range in words, such as ``"positive"``."""
         words = range_text(self.lowest, self.highest, self.open_below)
+        if self.unit == "K" and words == "positive" and not self.difference:
+            return "above absolute zero"  # files have °C too
         return f"{words} {self.unit}" if self.unit and "between" in words else words
 
     def check(self, name: str, value: Any) -> None:

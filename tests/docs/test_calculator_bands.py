@@ -8,12 +8,12 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.config.flyer_file import FlyerFile
-from lightflyer.core.entry_point import entry_point
-from lightflyer.design.tables import tabulate
 from lightflyer.prediction.text import verdict_lines
 from lightflyer.uncertainty.inputs import uncertain_inputs
 from lightflyer.uncertainty.propagation import DEFAULT_SAMPLES
 from lightflyer.uncertainty.targets import LOWER, UPPER, search_samples, tabulate_samples
+
+from .conftest import tabulated
 
 model = pytest.importorskip("calculator.model")
 from calculator.kinds import KINDS  # noqa: E402
@@ -21,6 +21,7 @@ from calculator.kinds import KINDS  # noqa: E402
 pytestmark = pytest.mark.slow  # all the files of the calculator are written
 
 AGREEMENT = 1e-9
+FEW = 100  # samples
 PLACES = 21
 CASES = [(kind, name) for kind in KINDS for name in model.force_models(kind)]
 _CALLS = """
@@ -57,12 +58,14 @@ const file = (name, spreads, values) => lightflyerCore.flyerFile(name, ...given(
 
 @pytest.fixture(scope="module")
 def run(calculator_files, run_javascript):
-    """A function that makes calls for a kind."""
+    """A function that makes calls for a kind, with as many samples as predict takes, or fewer."""
 
-    def calls(kind, made):
+    def calls(kind, made, count=DEFAULT_SAMPLES):
         names = (f"model-{kind.name}", "core", "bands")
         texts = [(calculator_files / f"calculator-{one}.js").read_text("utf-8") for one in names]
-        return run_javascript("".join(texts) + _CALLS, made)
+        usual, fewer = (f'"samples": {one}' for one in (DEFAULT_SAMPLES, count))
+        assert usual in texts[0]
+        return run_javascript("".join(texts).replace(usual, fewer) + _CALLS, made)
 
     return calls
 
@@ -92,11 +95,6 @@ def ends(values, *, endless):
     ]
 
 
-_tabulate = entry_point(
-    lambda setup, place: tabulate(setup, place, setup.environment.radiation.irradiance)
-)
-
-
 def columns_of(kind, name, samples):
     names = (*(one.name for one in kind.computed), *model.uncertain(name, kind))
     return dict(zip(names, np.array(samples, float).T, strict=True))
@@ -106,19 +104,18 @@ def columns_of(kind, name, samples):
     ("kind", "name"), CASES, ids=[f"{kind.name}-{name}" for kind, name in CASES]
 )
 def test_bands_are_those_of_the_package_for_the_same_samples(kind, name, run):
-    spreads, places = stated(kind), places_of(kind)[PLACES // 2 : PLACES // 2 + 2]
-    samples, found = run(
-        kind, [("samples", (name, spreads)), ("bands", (name, spreads, places.tolist()))]
-    )
+    spreads, place = stated(kind), float(places_of(kind)[PLACES // 2])
+    calls = [("samples", (name, spreads)), ("bands", (name, spreads, [place]))]
+    samples, found = run(kind, calls, FEW)
     columns = columns_of(kind, name, samples)
     setup = model.design(name, kind).build(columns)
-    table = _tabulate(setup, columns[kind.coordinate.name])
-    assert found["samples"] == len(samples) == DEFAULT_SAMPLES
+    table = tabulated(setup, columns[kind.coordinate.name])
+    assert found["samples"] == len(samples) == FEW
     mass, moved = float(np.max(setup.flyer.own_mass)), 0
     for output, band in found["here"].items():
         if output not in table:
             continue
-        values = np.broadcast_to(np.asarray(table[output]), DEFAULT_SAMPLES)
+        values = np.broadcast_to(np.asarray(table[output]), FEW)
         if band is None:
             assert not np.isfinite(values).any()
             continue
@@ -128,27 +125,23 @@ def test_bands_are_those_of_the_package_for_the_same_samples(kind, name, run):
         np.testing.assert_allclose(band, expected, rtol=AGREEMENT, atol=AGREEMENT * size)
         moved += band[0] < band[1]
     assert moved >= 3
-    for place, band in zip(places, found["light"], strict=True):
-        light = np.asarray(
-            _tabulate(setup, np.full(DEFAULT_SAMPLES, place))["levitation_irradiance"]
-        )
-        band = [float("inf" if end is None else end) for end in band]
-        np.testing.assert_allclose(band, ends(light, endless=True), rtol=AGREEMENT)
+    (band,) = found["light"]
+    light = np.asarray(tabulated(setup, np.full(FEW, place))["levitation_irradiance"])
+    band = [float("inf" if end is None else end) for end in band]
+    np.testing.assert_allclose(band, ends(light, endless=True), rtol=AGREEMENT)
 
 
 @pytest.mark.parametrize("kind", [KINDS[0], KINDS[2]], ids=["disk", "chamber"])
 def test_edges_and_shares_are_those_of_the_package_for_the_same_samples(kind, run):
     name, places = "kinetic", places_of(kind)
-    samples, found = run(kind, [("samples", (name, {})), ("bands", (name, {}, places.tolist()))])
+    calls = [("samples", (name, {})), ("bands", (name, {}, places.tolist()))]
+    samples, found = run(kind, calls, FEW)
     inputs = uncertain_inputs(model.design(name, kind))
     columns = columns_of(kind, name, samples)
     drawn = np.stack([columns[one] for one in inputs.names], 1)
     wanted = (
         ("lift_over_weight", "payload", "temperature"),
-        (
-            "levitation_irradiance",
-            "levitation_temperature",
-        ),
+        ("levitation_irradiance", "levitation_temperature"),
     )
     tables = [(places, tabulate_samples(inputs, drawn, places, names)) for names in wanted]
     searched = search_samples(inputs, drawn, tables)
@@ -174,6 +167,7 @@ def test_a_band_between_two_places_is_found(run):
 def test_samples_are_normal_and_independent(run):
     kind, name = KINDS[0], "kinetic"
     (samples,) = run(kind, [("samples", (name, {"flyer.payload": 0.001}))])
+    assert len(samples) == DEFAULT_SAMPLES
     columns = columns_of(kind, name, samples)
     errors = [columns[one] for one in model.uncertain(name, kind)]
     payload = (columns["flyer.payload"] / 1e-6 - 0.03) / 0.001
@@ -251,13 +245,3 @@ def test_random_numbers_are_those_of_predict(run):
 def test_nothing_uncertain_has_no_bands(run):
     (found,) = run(KINDS[0], [("bands", ("free-molecular", {}, [75e3]))])
     assert found is None
-
-
-@pytest.mark.parametrize("kind", KINDS, ids=[kind.name for kind in KINDS])
-def test_a_downloaded_file_has_the_uncertainties_shown(kind, run):
-    name, spreads = model.force_models(kind)[0], stated(kind)
-    (text,) = run(kind, [("file", (name, spreads))])
-    design = FlyerFile(**tomllib.loads(text)).design()
-    for number in kind.computed:
-        expected = spreads.get(number.name, 0.0) * model.factor(number, kind)
-        assert design.uncertainties.get(number.name, 0.0) == pytest.approx(expected, rel=1e-12)

@@ -141,8 +141,6 @@ class Recorder:
         self.graph, self.numpy = Graph(), _Numpy(self)
         self.core = SimpleNamespace(Tracer=Recorded)
         self.scipy = SimpleNamespace(special=self.numpy)
-        # whose shapes alone are used is not written
-        self.eval_shape = lambda function, *args: function(*args)
         self.lax = SimpleNamespace(
             while_loop=self._while_loop, cond=self._cond, scan=self._scan,
             stop_gradient=lambda value: value,
@@ -197,6 +195,13 @@ class Recorder:
             value, *operands = (Recorded(self, one) for one in (node, *node.operands))
             found[node] = _slope(self.numpy, node.operation, value, operands, parts)
         return [self.nodes(found.get(node, 0.0)).item() for node in nodes]
+
+    def eval_shape(self, function: Callable[..., Any], *args: Any) -> Any:
+        """What a function gives where no loop takes a step: of its shapes, which alone are used."""
+        loop, self.lax.while_loop = self.lax.while_loop, lambda _goes_on, _body, state: state
+        found = function(*args)
+        self.lax.while_loop = loop
+        return found
 
     def _while_loop(
         self, goes_on: Callable[[Any], Any], body: Callable[[Any], Any], state: Any

@@ -72,17 +72,23 @@ def run_on(address, folder):
     return run(folder, evaluator=StandIn(folder / "evaluations"), scheduler=address)
 
 
+def size_of(log):
+    return log.stat().st_size if log.exists() else 0
+
+
 def kill_repeatedly(folder, kills, seed):
     chance, log = random.Random(seed), folder / "evaluations"
     sweep_into(study(), folder / "undisturbed.zarr", chunk=CHUNK, evaluator=StandIn())
     killed = 0
     while killed < kills:
-        child = os.fork()
+        before, child = size_of(log), os.fork()
         if child == 0:
             try:
                 run(folder, evaluator=StandIn(log, CHUNKS_BEFORE_A_KILL), workers=2)
             finally:
                 os._exit(0)
+        while killed % 2 and size_of(log) == before:  # half of them once they compute, however late
+            time.sleep(1e-3)
         time.sleep(chance.uniform(0.0, LATEST))
         os.kill(child, signal.SIGKILL)
         _, status = os.waitpid(child, 0)

@@ -7,6 +7,7 @@ from scipy.optimize import brentq, differential_evolution, minimize, minimize_sc
 
 import lightflyer as lf
 from lightflyer.files.result_text import as_text
+from lightflyer.search import optimiser
 from lightflyer.search.objectives import ObjectiveFunction
 from lightflyer.search.problem import as_problem
 from lightflyer.search.text import design_parts
@@ -88,7 +89,6 @@ def heaviest_below(temperature, tac_bottom=0.9):
     return -found.fun * 1e-7, diameter_at(found.x), found.x
 
 
-@pytest.mark.slow
 def test_the_heaviest_payload_is_scipys(payload):
     found = minimize(
         lambda x: -1e7 * disk_of(np.exp(x[0]), 1e3 * x[1])[0], [np.log(0.03), 73.0],
@@ -150,7 +150,6 @@ def grid(outputs, diameter, altitude):
     ]
 
 
-@pytest.mark.slow
 def test_the_least_irradiance_is_at_a_bound(flyer):
     found = lf.optimise(
         flyer,
@@ -165,7 +164,6 @@ def test_the_least_irradiance_is_at_a_bound(flyer):
     assert found.agreeing > 1
 
 
-@pytest.mark.slow
 def test_a_front_is_that_of_a_fine_grid(flyer, payload):
     front = lf.pareto(
         flyer,
@@ -287,7 +285,6 @@ def test_a_free_number_without_effect_is_refused(flyer, asked):
         lf.search.pareto(flyer, maximise=["payload", "relative_payload"], over=over)
 
 
-@pytest.mark.slow
 def test_what_is_out_of_range_is_said_beside_what_is_within():
     """The fit of lu2023 holds for 2 to 4 cm, and no mylar bears 700 K."""
     over = {"flyer.diameter": {"from": "2 cm", "to": "30 cm"}, "altitude": ALTITUDE}
@@ -329,7 +326,6 @@ def test_one_best_payload_is_told_and_another_only_with_the_limit_that_forbids_i
     ) in told
 
 
-@pytest.mark.slow
 def test_a_film_gets_no_hotter_than_it_bears():
     film = FILM | {"highest_temperature": "370 K"}
     flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
@@ -346,13 +342,20 @@ def test_a_film_gets_no_hotter_than_it_bears():
     assert all("does not lift its weight" in text for text in cool.warnings)
 
 
-@pytest.mark.slow
+@pytest.fixture
+def few_looked_at(monkeypatch):
+    """A search begins with a few designs, and looks for no rivals."""
+    monkeypatch.setattr(optimiser, "SCREENED", 32)
+    monkeypatch.setattr(optimiser, "rivals_of", lambda *_: ())
+
+
+@pytest.mark.usefixtures("few_looked_at")
 def test_a_search_answers_though_no_film_is_cool_enough():
     """Empty disks of any size come to rest hotter than 520 K; laden ones need not."""
     film = FILM | {"highest_temperature": "520 K"}
     flyer = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "free-molecular"})
     over = {"flyer.diameter": {"from": "0.5 cm", "to": "2 cm"}}
-    found = lf.optimise(flyer, maximise="highest_altitude", over=over, starts=1)
+    found = lf.optimise(flyer, maximise="highest_altitude", over=over, starts=1, beyond_range=True)
     assert any("as cool as it must be" in text for text in found.warnings)
     (limit,) = found.problem.constraints
     assert (limit.name, limit.of_film) == ("rest_temperature", True)
@@ -368,7 +371,7 @@ def test_a_search_answers_though_no_film_is_cool_enough():
         problem(flyer, maximise="payload", over={"altitude": ALTITUDE}, constraints=limits)
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("few_looked_at")
 def test_a_quantile_is_taken_on_the_worse_side():
     """Of 95 % of the samples the temperature is below the limit, not of 5 %."""
     film = FILM | {"absorptance": "0.75 ± 0.02", "emittance": "0.08 ± 0.004"}
@@ -393,7 +396,6 @@ def test_a_quantile_is_taken_on_the_worse_side():
     assert np.mean(hot < 400.0) == pytest.approx(0.95, abs=0.01)
 
 
-@pytest.mark.slow
 def test_a_best_design_that_does_not_fly_is_named(flyer):
     film = FILM | {"tac_top": 0.9, "tac_bottom": 0.9}
     grounded = lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
@@ -403,7 +405,6 @@ def test_a_best_design_that_does_not_fly_is_named(flyer):
     assert not any(words in text for text in lf.optimise(flyer, **asked).warnings)
 
 
-@pytest.mark.slow
 def test_optical_data_that_end_refuse_no_design():
     """Every film of layers lacks some: the result has the warning."""
     layers = [

@@ -157,7 +157,6 @@ def test_chamber():
     assert np.all(found.low["temperature"] < found.high["temperature"])
 
 
-@pytest.mark.slow
 def test_samples_over_mars_whose_atmosphere_is_a_table():
     mars = {"kind": "mars", "dust_optical_depth": 0.0}
     uncertain = configure({**mars, "surface_pressure": "610 Pa ± 60 Pa"})
@@ -199,13 +198,6 @@ def test_numbers_of_very_different_size_keep_their_spreads(tmp_path, run):
     drawn = draw(inputs, 5000, 0)
     np.testing.assert_allclose(drawn.std(axis=0), inputs.spreads, rtol=0.05)
     np.testing.assert_allclose(np.corrcoef(drawn.T), inputs.correlation, atol=0.06)
-
-
-def test_impossible_draws_are_redrawn():
-    inputs = uncertain_inputs(configure(absorptance="0.95 ± 0.1").design())
-    drawn = draw(inputs, 1000, 0)
-    assert drawn.shape == (1000, 1)
-    assert 0.0 < drawn.min() < drawn.max() < 1.0
 
 
 def test_inputs_know_units_faces_and_ranges():
@@ -263,16 +255,15 @@ def test_objects_with_uncertainties_give_what_the_file_gives():
         lf.design.ObjectDesign(setup, {"flyer.film.tac_botom": 0.02})
 
 
-def strong(model, tac_bottom, environment=None):
+def strong(model, tac_bottom):
     """A disk that lifts hundreds of times its weight, so that its band is wide."""
     film = lf.FilmProperties(2e-5, 0.9, 0.08, 0.08, tac_top=0.6, tac_bottom=tac_bottom)
-    environment = environment or lf.Earth(radiation=lf.environment.Radiation())
+    environment = lf.Earth(radiation=lf.environment.Radiation())
     return lf.Setup(lf.Disk(film, 0.01), environment, model)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("model", [lf.Lu2023(), lf.Kinetic()])
-def test_samples_of_a_large_margin_are_those_of_repeated_predictions(model):
+def test_samples_of_a_large_margin_are_those_of_repeated_predictions():
+    model = lf.Lu2023()
     design = ObjectDesign(strong(model, 0.95), {"flyer.film.tac_bottom": 0.02})
     found = lf.propagate(design, samples=100)
     (lower, upper), group = found.prediction.bands[0], "altitude_band_km"
@@ -304,33 +295,17 @@ def test_an_edge_is_at_an_end_only_where_that_is_searched_to():
     assert upper.min() < 110.2  # outside of the coordinates whose bands were asked for
 
 
-def dark(absorptance, spread, **changes):
+def absorbing(value, spread, **film):
     """A disk whose absorptance is uncertain, as a file and as objects."""
-    properties = {"areal_density": 1e-3, "emittance": 0.08, "tac_top": 0.8, "tac_bottom": 0.9}
-    properties |= changes
-    stated = f"{absorptance} ± {spread}"
-    file = lf.FlyerFile(
-        flyer={"diameter": "2 cm"},
-        film=properties | {"areal_density": "1 g/m^2", "absorptance": stated},
-        environment={"atmosphere": "lu2023"},
-        force={"model": "lu2023", "force_error": 0},
-    )
-    emittance = properties.pop("emittance")
-    film = lf.FilmProperties(
-        absorptance=absorptance, emittance_top=emittance, emittance_bottom=emittance, **properties
-    )
-    setup = lf.Setup(lf.Disk(film, 0.01), lf.lu2023_earth(), lf.Lu2023())
-    name = "flyer.film.absorptance"
-    return file.design(), ObjectDesign(setup, {name: spread})
+    design = configure(absorptance=f"{value} ± {spread}", **film).design()
+    return design, ObjectDesign(design.setup, {"flyer.film.absorptance": spread})
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("one", [0, 1])
-@pytest.mark.parametrize("transmittance", [0.05, 0.0])
+@pytest.mark.parametrize(("one", "transmittance"), [(0, 0.05), (1, 0.05), (0, 0.0)])
 def test_draws_that_are_impossible_are_drawn_again_and_counted(one, transmittance):
-    value, spread, count = 0.9, 0.06, 2000
+    value, spread, count = 0.9, 0.06, 500
     limit = 1.0 - transmittance  # absorbed and transmitted light together
-    inputs = uncertain_inputs(dark(value, spread, transmittance=transmittance)[one])
+    inputs = uncertain_inputs(absorbing(value, spread, transmittance=transmittance)[one])
     samples, refused, why = draw_possible(inputs, count, seed=3)
     cut = scipy.stats.truncnorm((0.0 - value) / spread, (limit - value) / spread, value, spread)
     assert samples.max() < limit
@@ -341,7 +316,7 @@ def test_draws_that_are_impossible_are_drawn_again_and_counted(one, transmittanc
 
 
 def test_possible_draws_are_as_they_come():
-    inputs = uncertain_inputs(dark(0.5, 0.01)[0])
+    inputs = uncertain_inputs(absorbing(0.5, 0.01)[0])
     samples, refused, why = draw_possible(inputs, 200, seed=3)
     plain = np.random.default_rng(3).multivariate_normal([0.5], [[1e-4]], 200)
     np.testing.assert_array_equal(samples, plain)
@@ -367,20 +342,17 @@ def test_samples_without_a_solution_are_counted(both, monkeypatch):
     assert not any("missed their tolerance" in text for text in found.warnings)
 
 
-@pytest.mark.parametrize("kind", ["a number", "a table"])
-def test_places_that_are_not_asked_cost_nothing_and_are_unknown(kind):
-    layers = [{"material": "Ge", "thickness": "20 ± 2 nm"}]
-    film = {"absorptance": "0.75 ± 0.01"}
-    file = (
-        configure(**film)
-        if kind == "a number"
-        else lf.FlyerFile(
-            flyer={"diameter": "2 cm"},
-            film={"layers": layers, "tac_top": 0.8, "tac_bottom": 0.9},
-            environment=EARTH,
-            force={"model": "lu2023"},
-        )
-    )
+GERMANIUM = {"material": "Ge", "thickness": "20 ± 2 nm"}
+
+
+def layered(*layers):
+    """A disk whose film is computed from its layers."""
+    film = {"layers": layers, "tac_top": 0.8, "tac_bottom": 0.9}
+    return lf.FlyerFile(flyer={"diameter": "2 cm"}, film=film, force={"model": "lu2023"})
+
+
+@pytest.mark.parametrize("file", [configure(absorptance="0.75 ± 0.01"), layered(GERMANIUM)])
+def test_places_that_are_not_asked_cost_nothing_and_are_unknown(file):
     inputs = uncertain_inputs(file.design())
     samples, places = draw(inputs, 100, seed=0), np.linspace(60e3, 80e3, 3)
     whole = targets.tabulate_samples(inputs, samples, places, ("lift_over_weight",))
@@ -397,13 +369,7 @@ def test_places_that_are_not_asked_cost_nothing_and_are_unknown(kind):
 
 
 def test_a_layers_change_on_a_coarse_grid_is_that_of_films_on_the_fine_one():
-    layers = [
-        {"material": "Ge", "thickness": "20 ± 2 nm"},
-        {"material": "PET", "thickness": "500 nm"},
-    ]
-    file = lf.FlyerFile(
-        flyer={"diameter": "2 cm"}, film={"layers": layers, "tac_top": 0.8, "tac_bottom": 0.9}
-    )
+    file = layered(GERMANIUM, {"material": "PET", "thickness": "500 nm"})
     name = "film.layers.0.thickness"
     change = uncertain_inputs(file.design()).changes[name]
     thin, middle, thick = (
@@ -416,7 +382,7 @@ def test_a_layers_change_on_a_coarse_grid_is_that_of_films_on_the_fine_one():
     np.testing.assert_allclose(nodes[1] * 8e-18, thick + thin - 2.0 * middle, rtol=0.05)
 
 
-@pytest.mark.parametrize("kind", ["earth", "layers", "mars", "sandwich", "plate", 0, 1])
+@pytest.mark.parametrize("kind", ["layers", "mars", "sandwich", 0, 1])
 def test_first_order_is_that_of_exact_derivatives(kind):
     """Differences of converged solutions beside JAX, also at an end of an input's range."""
     if kind in (0, 1):

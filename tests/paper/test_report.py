@@ -1,7 +1,8 @@
 import json
 import re
-import subprocess
-import sys
+from contextlib import redirect_stdout
+from functools import cache
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,11 @@ import pytest
 
 import lightflyer as lf
 from lightflyer.calibration import read_points
+from lightflyer.cli import main
 from lightflyer.core.progress import report_to
-from lightflyer.files.result_text import unwrap
+from lightflyer.paper import report as module
 from lightflyer.paper.conditions import COLUMNS, Claim, Quantity, Verdict, claims, facts
 from lightflyer.paper.figures import FIGURES
-from lightflyer.paper.report import reproduce
 from lightflyer.paper.results import (
     difference_uncertainty,
     planck_peak,
@@ -38,18 +39,15 @@ CHECK = {
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """What the command writes, run as a user runs it."""
+    """What the command writes; its numbers are computed once."""
     out = tmp_path_factory.mktemp("paper") / "out"
-    done = subprocess.run(
-        [sys.executable, "-m", "lightflyer", "paper", "--out", str(out)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert "reproduced" in done.stdout
-    assert "report.html" in done.stdout
-    return out
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "compute", cache(module.compute))
+        with redirect_stdout(StringIO()) as printed, pytest.raises(SystemExit, match="0"):
+            main(["paper", "--out", str(out)])
+        assert "reproduced" in printed.getvalue()
+        assert "report.html" in printed.getvalue()
+        yield out
 
 
 @pytest.fixture(scope="module")
@@ -163,15 +161,15 @@ def test_twice_gives_the_same_data(folder, tmp_path):
     )
     steps = []
     with report_to(steps.append):
-        reproduce(
-            tmp_path / "again", read_points(points), formats=["svg", "pdf"], style="column", dpi=60
+        module.reproduce(
+            tmp_path / "again", read_points(points), formats=["svg"], style="column", dpi=60
         )
     assert {f"drawing {name}" for name in FIGURES} < {step.doing for step in steps}
     for path in [folder / "report.json", *sorted((folder / "data").iterdir())]:
         again = tmp_path / "again" / path.relative_to(folder)
         assert again.read_bytes() == path.read_bytes(), path.name
     figures = {path.name for path in (tmp_path / "again" / "figures").iterdir()}
-    assert {"figure-2.png", "figure-s2.png", "figure-6.pdf"} <= figures
+    assert {"figure-2.png", "figure-s2.png", "figure-6.svg"} <= figures
     assert "figure-s3.png" not in figures
     drawn = (tmp_path / "again" / "figures" / "figure-5bcd.svg").read_text(encoding="utf-8")
     assert "synthetic A (your data)" in drawn
@@ -282,21 +280,11 @@ def test_planck_peak_follows_wien():
     assert planck_peak(400.0) == pytest.approx(784.4, rel=1e-4)
 
 
-def run(*arguments, cwd):
-    return subprocess.run(
-        [sys.executable, "-m", "lightflyer", *arguments],
-        capture_output=True, text=True, check=False, cwd=cwd,
-    )  # fmt: skip
-
-
-def test_bad_points_stop_before_anything_is_written(tmp_path):
-    bad = tmp_path / "points.csv"
-    bad.write_text("sample,pressure [W],irradiance [W/m^2]\na,1,2\n", encoding="utf-8")
-    done = run("paper", "--out", "out", "--data", "points.csv", cwd=tmp_path)
-    assert done.returncode == 2
-    assert len(unwrap(done.stderr)) == 1
-    assert "points.csv:1: column pressure" in done.stderr
-    assert not Path(tmp_path / "out").exists()
+def test_bad_points_stop_before_anything_is_written(refuses, write, tmp_path):
+    bad = write("sample,pressure [W],irradiance [W/m^2]\na,1,2\n", "points.csv")
+    said = refuses("paper", "--out", tmp_path / "out", "--data", bad)
+    assert "points.csv:1: column pressure" in said
+    assert not (tmp_path / "out").exists()
 
 
 def cells(line):

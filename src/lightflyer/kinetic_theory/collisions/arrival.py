@@ -112,7 +112,7 @@ def _ray(point, direction, on_face, rarefaction, setup, mesh, half, scratch, cut
             _add_wall(brought, at_end, at, -direction[2], half, mesh, scratch[1])
         seen = other if below and not disk else own
         end = depth + rarefaction * width
-        at_start[:] = at_end
+        at_start, at_end = at_end, at_start
         integrals(end, table, scale, 0, at_end)
         for k in range(rule.shape[1]):
             s, there = start + width * rule[0, k], depth + (end - depth) * rule[0, k]

@@ -80,29 +80,29 @@ def spheroidal(radius_squared, height):
 
 
 @kernel
-def _push_roots(cuts, count, a, b, c, length):
-    """Append the roots of a s² + 2 b s + c between 0 and the ray's length."""
-    if abs(a) < 1e-14 * (abs(b) + abs(c)):
-        if b != 0.0:
-            s = -0.5 * c / b
-            if 0.0 < s < length:
-                cuts[count] = s
-                count += 1
+def _insert(cuts, count, s, length):
+    """Put a cut between 0 and the ray's length in its place; returns how many there are."""
+    if not 0.0 < s < length:
         return count
+    place = count
+    while cuts[place - 1] > s:
+        cuts[place] = cuts[place - 1]
+        place -= 1
+    cuts[place] = s
+    return count + 1
+
+
+@kernel
+def _insert_roots(cuts, count, a, b, c, length):
+    """Put the roots of a s² + 2 b s + c in their places."""
+    if abs(a) < 1e-14 * (abs(b) + abs(c)):
+        return _insert(cuts, count, -0.5 * c / b, length)
     discriminant = b * b - a * c
     if discriminant <= 0.0:
         return count
     q = -(b + np.copysign(np.sqrt(discriminant), b))
-    s = q / a
-    if 0.0 < s < length:
-        cuts[count] = s
-        count += 1
-    if q != 0.0:
-        s = c / q
-        if 0.0 < s < length:
-            cuts[count] = s
-            count += 1
-    return count
+    count = _insert(cuts, count, q / a, length)
+    return _insert(cuts, count, c / q, length)
 
 
 @kernel
@@ -138,26 +138,20 @@ def cut_ray(radius, height, direction, length, optical_scale, xi_edges, eta_edge
             continue
         outer, inner = 1.0 / (1.0 + edge * edge), 1.0 / (edge * edge)
         a, b = a_r * outer + a_z * inner, b_r * outer + b_z * inner
-        count = _push_roots(cuts, count, a, b, c_r * outer + c_z * inner - 1.0, length)
+        count = _insert_roots(cuts, count, a, b, c_r * outer + c_z * inner - 1.0, length)
     for k in range(1, eta_edges.size - 1):
         edge = eta_edges[k]
         outer, inner = 1.0 / (1.0 - edge * edge), 1.0 / (edge * edge)
         a, b = a_r * outer - a_z * inner, b_r * outer - b_z * inner
-        count = _push_roots(cuts, count, a, b, c_r * outer - c_z * inner - 1.0, length)
+        count = _insert_roots(cuts, count, a, b, c_r * outer - c_z * inner - 1.0, length)
     hit = np.inf
     if wz < 0.0:
         hit = -height / wz
-        if 0.0 < hit < length:
-            cuts[count] = hit
-            count += 1
+        count = _insert(cuts, count, hit, length)
     for depth in DEPTH_CUTS:
-        if depth * optical_scale < length:
-            cuts[count] = depth * optical_scale
-            count += 1
+        count = _insert(cuts, count, depth * optical_scale, length)
     cuts[count] = length
-    count += 1
-    cuts[:count].sort()
-    return count, hit
+    return count + 1, hit
 
 
 @kernel

@@ -17,7 +17,7 @@ from lightflyer.kinetic_theory.disk.operators import Quadrature
 
 NITROGEN = Molecule(0.74, 0.2, rotates=True)
 FEW = Moments((5, 5, 4, 3), (3, 3, 2))
-ROUGH = Resolution(3, 0.7, Quadrature(3, 2, 2))
+ROUGH = Resolution(3, 0.7, Quadrature(2, 2, 2))
 
 
 def operator(exponent, moments=FEW):
@@ -82,7 +82,7 @@ def test_force_of_heat_is_heat_of_motion(problem):
     # reciprocity: nothing in the solver knows of it
     _, drawn = totals(problem, FaceWalls((0.6, 0.9), (0.0, 0.0), velocity=1.0))
     force, _ = totals(problem, FaceWalls((0.6, 0.9), (0.0, 1.0)))
-    assert force == pytest.approx(drawn[1], rel=1e-3)
+    assert force == pytest.approx(drawn[1], rel=5e-3)
 
 
 @pytest.mark.parametrize(

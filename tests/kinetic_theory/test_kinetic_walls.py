@@ -6,10 +6,10 @@ import pytest
 from lightflyer.core.errors import ParameterError
 from lightflyer.kinetic_theory import solve, solve_moving
 from lightflyer.kinetic_theory.disk.cases import Case, Resolution, solve_case
-from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem, face_result
-from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
+from lightflyer.kinetic_theory.disk.operators import Quadrature
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
-from lightflyer.kinetic_theory.moving import MovedDisk
+from lightflyer.kinetic_theory.moving import MovedDisk, moving_outcomes
+from lightflyer.kinetic_theory.solver import TEMPERATURE_RATIOS
 
 SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))
 ROUGH = Resolution(2, 0.7, Quadrature(2, 2, 2))  # where both sides have the same error of a mesh
@@ -23,26 +23,51 @@ def outcome(
     return solve_case(case, mesh), case.free_molecular()
 
 
-@pytest.mark.parametrize(("gas", "holes"), [(MONATOMIC, 0.3), (DIATOMIC, 0.0)])
-def test_free_molecular_limit_at_one_temperature(gas, holes):
-    found, limit = outcome(100.0, (0.5, 1.0), (2.5, 2.0), gas, holes=holes)
-    # molecules leave with the root of the temperature at which they do times the momentum
-    force = 0.5 * (1.0 - holes) * (np.sqrt(2.0) - np.sqrt(1.0 + 0.5 * 1.5))
+RECOIL = {  # of a face with a TAC at T/T_c, over the momentum that arrives
+    "accommodated": lambda tac, hot: np.sqrt(1.0 + tac * (hot - 1.0)) - 1.0,
+    "maxwell": lambda tac, hot: tac * (np.sqrt(hot) - 1.0),
+    "linear": lambda tac, hot: 0.5 * tac * (hot - 1.0),
+}
+
+
+@pytest.mark.parametrize(
+    ("wall", "gas", "holes", "top", "bottom"),
+    [
+        ("accommodated", MONATOMIC, 0.3, 2.5, 2.0),
+        ("accommodated", DIATOMIC, 0.0, 2.5, 2.0),
+        ("maxwell", MONATOMIC, 0.0, *TEMPERATURE_RATIOS[::-1]),
+        ("maxwell", DIATOMIC, 0.99, 1.2, 1.9),
+        ("linear", DIATOMIC, 0.3, 1.2, 1.9),
+    ],
+)
+def test_free_molecular_limit(wall, gas, holes, top, bottom):
+    """Molecules leave with the root of the temperature at which they do times the momentum."""
+    linear, named = wall == "linear", "maxwell" if wall == "linear" else wall
+    faces = (top - 1.0, bottom - 1.0) if linear else (top, bottom)
+    found, limit = outcome(100.0, (0.5, 1.0), faces, gas, named, linear=linear, holes=holes)
+    force = 0.5 * (1.0 - holes) * (RECOIL[wall](1.0, bottom) - RECOIL[wall](0.5, top))
     carried = {"monatomic": 2.0, "diatomic": 3.0}[gas.name] / 2.0
-    heat = carried * (1.0 - holes) * (0.5 * 1.5 + 1.0) / np.sqrt(np.pi)
+    heat = carried * (1.0 - holes) * (0.5 * (top - 1.0) + bottom - 1.0) / np.sqrt(np.pi)
     assert found.force == pytest.approx(force, rel=4e-3)
     assert sum(found.heat) == pytest.approx(heat, rel=1e-3)
     assert (limit.force, sum(limit.heat)) == pytest.approx((force, heat), rel=1e-12)
 
 
-@pytest.mark.parametrize(("gas", "holes"), [(MONATOMIC, 0.6), (DIATOMIC, 0.0)])
-def test_nonlinear_goes_to_linear(gas, holes):
-    excess = 1e-3
-    linear, _ = outcome(0.3, (0.7, 0.9), (0.5, 1.0), gas, linear=True, holes=holes)
+@pytest.mark.parametrize(
+    ("wall", "gas", "holes", "excess"),
+    [
+        ("accommodated", MONATOMIC, 0.6, 1e-3),
+        ("accommodated", DIATOMIC, 0.0, 1e-3),
+        ("maxwell", MONATOMIC, 0.0, 1e-3),
+        ("maxwell", DIATOMIC, 0.6, -1e-3),
+    ],
+)
+def test_nonlinear_goes_to_linear(wall, gas, holes, excess):
+    linear, _ = outcome(0.3, (0.7, 0.9), (0.5, 1.0), gas, wall, linear=True, holes=holes)
     hot = (1.0 + 0.5 * excess, 1.0 + excess)
-    found, _ = outcome(0.3, (0.7, 0.9), hot, gas, holes=holes)
-    assert found.force / excess == pytest.approx(linear.force, rel=excess)
-    assert np.divide(found.heat, excess) == pytest.approx(linear.heat, rel=excess)
+    found, _ = outcome(0.3, (0.7, 0.9), hot, gas, wall, holes=holes)
+    assert found.force / excess == pytest.approx(linear.force, rel=1e-3)
+    assert np.divide(found.heat, excess) == pytest.approx(linear.heat, rel=1e-3)
 
 
 @pytest.mark.parametrize("linear", [True, False])
@@ -68,20 +93,6 @@ def test_a_face_that_accommodates_nothing_draws_no_heat_and_warms_up():
     assert found.heat[1] != pytest.approx(reflecting.heat[1], rel=1e-5)
 
 
-@pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
-def test_moved_disk_feels_the_free_molecular_drag(gas):
-    mesh = SKETCH.mesh(0.004, np.inf)
-    system = LinearSystem(assemble(mesh, 0.004, SKETCH.quadrature), gas, 0.3, wall="accommodated")
-    walls = FaceWalls((0.3, 0.3), (0.0, 0.0), velocity=1.0)
-    fields = system.solve(walls)[0]
-    up, down = (
-        mesh.face_weights @ face_result(system, walls, fields[k], k).pressure for k in (0, 1)
-    )
-    disk = MovedDisk((0.3, 0.3), wall="accommodated")
-    expected = disk.free_molecular_drag(gas.has_rotation)
-    assert up - down == pytest.approx(expected, rel=0.01)
-
-
 def quadrature_of_drag(tac, sideways):
     """Pressure difference of a slowly moved disk per speed ratio, from fluxes on a grid of speeds.
 
@@ -100,10 +111,18 @@ def quadrature_of_drag(tac, sideways):
     return (pressures[0] - pressures[1]) / speed
 
 
-@pytest.mark.parametrize(("rotation", "sideways"), [(False, 1.0), (True, 2.0)])
-def test_drag_of_free_molecules_by_quadrature(rotation, sideways):
-    found = MovedDisk((0.3, 0.3), wall="accommodated").free_molecular_drag(rotation)
-    assert found == pytest.approx(quadrature_of_drag(0.3, sideways), rel=1e-6)
+def test_moved_disk_feels_the_drag_of_free_molecules():
+    """Of Maxwell's walls 2 (4 − 2α + πα/2)/√π; of others by quadrature."""
+    maxwell = 2.0 * (4.0 - 2.0 * 0.7 + 0.5 * np.pi * 0.7) / np.sqrt(np.pi)
+    disks = [
+        (MONATOMIC, MovedDisk((0.7, 0.7)), maxwell),
+        (MONATOMIC, MovedDisk((0.3, 0.3), wall="accommodated"), quadrature_of_drag(0.3, 1.0)),
+        (DIATOMIC, MovedDisk((0.3, 0.3), wall="accommodated"), quadrature_of_drag(0.3, 2.0)),
+    ]
+    found = moving_outcomes(0.004, SKETCH, [moved[:2] for moved in disks])
+    for (gas, disk, expected), solved in zip(disks, found, strict=True):
+        assert disk.free_molecular_drag(gas.has_rotation) == pytest.approx(expected, rel=1e-6)
+        assert solved.drag == pytest.approx(expected, rel=3e-3)
 
 
 @pytest.mark.parametrize("call", [solve, solve_moving])

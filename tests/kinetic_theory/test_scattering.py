@@ -10,8 +10,6 @@ from lightflyer.kinetic_theory import Chamber, solve, solve_in_chamber
 from lightflyer.kinetic_theory.chamber import cases as chamber_cases
 from lightflyer.kinetic_theory.disk import cases
 from lightflyer.kinetic_theory.disk.cases import (
-    COARSE,
-    MEDIUM,
     Case,
     Resolution,
     solve_case,
@@ -99,8 +97,7 @@ def test_modes_are_orthonormal():
     assert found == pytest.approx(np.eye(len(values)), abs=1e-10)
 
 
-@pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
-@pytest.mark.parametrize("holes", [0.0, 0.4])
+@pytest.mark.parametrize(("gas", "holes"), [(MONATOMIC, 0.0), (DIATOMIC, 0.4)])
 def test_full_accommodation_is_diffuse_reflection(gas, holes):
     operators, system = systems(1.5, ROUGH, gas, holes)
     diffuse = LinearSystem(operators, gas, 1.0, holes)
@@ -127,17 +124,12 @@ def test_free_molecular_limit(gas):
 
 
 @pytest.mark.parametrize(
-    ("gas", "holes", "rarefaction", "level", "near"),
-    [
-        (MONATOMIC, 0.0, 0.2, SKETCH, 1e-3),
-        (DIATOMIC, 0.0, 0.2, SKETCH, 1e-3),
-        (MONATOMIC, 0.5, 0.2, SKETCH, 1e-3),
-        (DIATOMIC, 0.5, 4.4, MEDIUM, 2e-3),
-    ],
+    ("gas", "holes", "rarefaction", "near"),
+    [(MONATOMIC, 0.0, 0.2, 1e-3), (DIATOMIC, 0.5, 1.0, 2e-3)],
 )
-def test_force_of_heat_is_heat_of_motion(gas, holes, rarefaction, level, near):
+def test_force_of_heat_is_heat_of_motion(gas, holes, rarefaction, near):
     """Onsager's reciprocity, face by face."""
-    _, system = systems(rarefaction, level, gas, holes)
+    _, system = systems(rarefaction, SKETCH, gas, holes)
     _, drawn = result(system, (0.0, 0.0), 1.0)
     for face, heated in enumerate(((1.0, 0.0), (0.0, 1.0))):
         assert drawn[face] == pytest.approx(result(system, heated)[0], rel=near)
@@ -145,17 +137,15 @@ def test_force_of_heat_is_heat_of_motion(gas, holes, rarefaction, level, near):
 
 def test_more_modes_change_nothing():
     usual, more = (
-        result(systems(2.0, COARSE, DIATOMIC, modes=modes)[1])
+        result(systems(2.0, SKETCH, DIATOMIC, modes=modes)[1])
         for modes in (None, modes_up_to(8, 9))
     )
     assert usual[0] == pytest.approx(more[0], rel=2e-4)
     assert usual[1] == pytest.approx(more[1], rel=2e-5)
 
 
-@pytest.mark.parametrize("gas", ["monatomic", "diatomic"])
-def test_moved_disk_feels_the_free_molecular_drag(gas):
+def test_moved_disk_feels_the_free_molecular_drag():
     """By the kernel: a face that runs into molecules meets c_n of them, and scatters that."""
-    model = DIATOMIC if gas == "diatomic" else MONATOMIC
     faces = Accommodation(0.5, 0.9, 0.4), Accommodation(0.8, 0.3, 0.9)
     disk = MovedDisk((0.5, 0.5), scattering=faces)
     c = np.linspace(1e-6, 7.0, 1201)
@@ -169,9 +159,11 @@ def test_moved_disk_feels_the_free_molecular_drag(gas):
         flux = 2.0 * arriving * np.exp(-(arriving**2)) * 2.0 * leaving / face.normal
         kept.append(np.sum(flux * kernel * arriving * leaving) * (c[1] - c[0]) ** 2)
     expected = 4.0 * (1.0 + np.mean(kept)) / np.sqrt(np.pi)
-    assert disk.free_molecular_drag(model.has_rotation) == pytest.approx(expected, rel=1e-5)
-    (found,) = moving_outcomes(1e-7, ROUGH, [(model, disk)])
-    assert found.drag == pytest.approx(expected, rel=1e-4)
+    gases = MONATOMIC, DIATOMIC
+    outcomes = moving_outcomes(1e-7, ROUGH, [(gas, disk) for gas in gases])
+    for gas, found in zip(gases, outcomes, strict=True):
+        assert disk.free_molecular_drag(gas.has_rotation) == pytest.approx(expected, rel=1e-5)
+        assert found.drag == pytest.approx(expected, rel=1e-4)
 
 
 def test_solution_by_tacs(monkeypatch):
@@ -233,22 +225,22 @@ def test_hot_free_molecular_limit(gas, holes):
 
 def test_free_molecules_leave_with_two_temperatures():
     """Density in the gas by quadrature over the disk that is seen."""
-    found, _ = hot(1e-7, MONATOMIC, (2.5, 2.5), level=SKETCH)
+    found, _ = hot(1e-7, MONATOMIC, (2.5, 2.5))
     across, along = 1.0 + 0.3 * 1.5, 1.0 + 0.9 * 1.1 * 1.5
-    radius, angle = np.meshgrid((np.arange(300) + 0.5) / 300, (np.arange(300) + 0.5) * np.pi / 300)
+    radius, angle = np.meshgrid((np.arange(100) + 0.5) / 100, (np.arange(100) + 0.5) * np.pi / 100)
     mesh = found.mesh
-    chosen = np.flatnonzero((mesh.height > 0.3) & (mesh.height < 1.5) & (mesh.radius < 2.0))
-    assert chosen.size > 5
+    chosen = np.flatnonzero((mesh.height > 0.2) & (mesh.height < 2.5) & (mesh.radius < 2.5))
+    assert chosen.size > 3
     for node in chosen:
         height = mesh.height[node]
         square = radius**2 + mesh.radius[node] ** 2 + height**2
         distance = np.sqrt(square - 2.0 * radius * mesh.radius[node] * np.cos(angle))
         inverse = (height / distance) ** 2 / across + (1.0 - (height / distance) ** 2) / along
-        seen = 2.0 * radius * height / distance**3 * (np.pi / 300**2)
+        seen = 2.0 * radius * height / distance**3 * (np.pi / 100**2)
         excess = np.sum(seen * (inverse**-1.5 / (across * along) - 1.0)) / (4.0 * np.pi)
         pressure, _, _, temperature = found.fields[0, node, :4]
         density = (1.0 + pressure) / (1.0 + temperature)
-        assert density - 1.0 == pytest.approx(excess, rel=0.02, abs=1e-4)
+        assert density - 1.0 == pytest.approx(excess, rel=0.04, abs=1e-4)
 
 
 @pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
@@ -262,7 +254,7 @@ def test_hot_goes_to_linear(gas):
     assert np.divide(found.heat, excess) == pytest.approx(heat, rel=excess)
     faces = (0.4, 0.9, 0.4), (1.0, 0.4, 1.0)
     (force, heat), (of_few, heat_of_few) = (
-        result(systems(1.5, COARSE, gas, modes=modes)[1], faces=faces) for modes in (None, few)
+        result(systems(1.5, SKETCH, gas, modes=modes)[1], faces=faces) for modes in (None, few)
     )
     assert of_few == pytest.approx(force, rel=6e-3)
     assert of_few != pytest.approx(force, rel=1e-4)
@@ -278,13 +270,12 @@ def test_hot_full_accommodation_is_diffuse_reflection():
     assert found.heat == pytest.approx(diffuse.heat, rel=1e-7)
 
 
-@pytest.mark.parametrize("kind", [0, 1, 2])
-def test_a_hot_face_draws_heat_of_the_kinds_that_it_accommodates(kind):
+def test_a_hot_face_draws_heat_of_the_kinds_that_it_accommodates():
     """Energy of each kind is conserved: heat of one kind is all where the others bounce."""
-    faces = [tuple(0.7 * (k == kind) for k in range(3)), (0.0, 0.0, 0.0)]
-    found, _ = hot(1.5, DIATOMIC, (2.0, 2.0), faces)
-    assert found.heat[0] > 0.1
-    assert abs(found.heat[1]) < 1e-12
+    for face in 0.7 * np.eye(3):
+        found, _ = hot(1.5, DIATOMIC, (2.0, 2.0), (face, (0.0, 0.0, 0.0)))
+        assert found.heat[0] > 0.1
+        assert abs(found.heat[1]) < 1e-12
 
 
 def test_a_chamber_takes_these_walls_where_the_disk_is_hot(monkeypatch):

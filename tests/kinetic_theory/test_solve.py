@@ -14,7 +14,6 @@ from lightflyer.kinetic_theory import solve
 from lightflyer.kinetic_theory.disk import cases, nonlinear
 from lightflyer.kinetic_theory.disk.cases import (
     COARSE,
-    MEDIUM,
     Case,
     Resolution,
     sample,
@@ -23,7 +22,6 @@ from lightflyer.kinetic_theory.disk.cases import (
 from lightflyer.kinetic_theory.disk.linear import FaceWalls, LinearSystem, face_result
 from lightflyer.kinetic_theory.disk.operators import Quadrature, assemble
 from lightflyer.kinetic_theory.model_gases import DIATOMIC, MONATOMIC
-from lightflyer.kinetic_theory.solver import TEMPERATURE_RATIOS
 from lightflyer.kinetic_theory.walls import Wall
 
 SKETCH = Resolution(3, 0.7, Quadrature(3, 3, 3))
@@ -69,20 +67,15 @@ def sketched(monkeypatch):
     monkeypatch.setattr(cases, "meshes", lambda knudsen, *, linear: (SKETCH, sketchier))
 
 
+# ray-tracing by source iteration, good to about 2 %; 3 to 4 % at the last
 @pytest.mark.parametrize(
-    ("kn", "force", "heat"), [(10.0, 0.984, 0.994), (1.0, 0.790, 0.933), (0.3, 0.437, 0.792)]
-)
-def test_another_solver_of_the_same_equation(kn, force, heat):
-    """Ray-tracing by source iteration, good to about 2 %."""
-    found = ratios(case(kn / HARD_SPHERE, (0.8, 0.9)), COARSE)
-    assert found == pytest.approx((force, heat), rel=0.015)
-
-
-def test_another_solver_near_the_continuum():
-    """It gives 0.124 to 0.128 and 0.530 to 0.535, not converged to better than 2 to 3 %."""
-    force, heat = ratios(case(0.1 / HARD_SPHERE, (0.8, 0.9)), COARSE)
-    assert force == pytest.approx(0.126, rel=0.04)
-    assert heat == pytest.approx(0.535, rel=0.03)
+    ("kn", "force", "heat", "within"),
+    [(10, 0.984, 0.994, 0.01), (1, 0.790, 0.933, 0.01), (0.3, 0.437, 0.792, 0.015),
+     (0.1, 0.126, 0.535, 0.04)],
+)  # fmt: skip
+def test_another_solver_of_the_same_equation(kn, force, heat, within):
+    found = ratios(case(kn / HARD_SPHERE, (0.8, 0.9)))
+    assert found == pytest.approx((force, heat), rel=within)
 
 
 def test_free_molecular_limit_is_approached_as_the_inverse_knudsen_number():
@@ -92,23 +85,15 @@ def test_free_molecular_limit_is_approached_as_the_inverse_knudsen_number():
         assert (1.0 - near) / (1.0 - nearer) == pytest.approx(100.0 / 30.0, rel=0.12)
 
 
-@pytest.mark.parametrize(
-    ("gas", "kn", "level", "near"),
-    [
-        (MONATOMIC, 2.0, SKETCH, 3e-4),
-        (DIATOMIC, 2.0, SKETCH, 3e-4),
-        (MONATOMIC, 0.5, SKETCH, 1e-3),
-        (DIATOMIC, 0.1, COARSE, 1e-3),
-    ],
-)
-def test_force_of_heat_is_heat_of_motion(gas, kn, level, near):
+@pytest.mark.parametrize(("gas", "kn", "near"), [(MONATOMIC, 2.0, 3e-4), (DIATOMIC, 0.5, 1e-3)])
+def test_force_of_heat_is_heat_of_motion(gas, kn, near):
     """Onsager's reciprocity, face by face: it holds for no other weights of force and heat."""
-    mesh = level.mesh(np.sqrt(np.pi) / 4.0 / kn, np.inf)
-    operators = assemble(mesh, np.sqrt(np.pi) / 4.0 / kn, level.quadrature)
+    mesh = SKETCH.mesh(np.sqrt(np.pi) / 4.0 / kn, np.inf)
+    operators = assemble(mesh, np.sqrt(np.pi) / 4.0 / kn, SKETCH.quadrature)
     tac = (0.6, 0.9)
     systems = {wall: LinearSystem(operators, gas, 0.75, wall=wall) for wall in get_args(Wall)}
     # the factors are those of a solid disk, and precondition the disks with holes
-    for holes, (wall, system) in product((0.0, 0.4, 0.95), systems.items()):
+    for holes, (wall, system) in product((0.0, 0.6), systems.items()):
         moved = FaceWalls(tac, (0.0, 0.0), velocity=1.0, open_fraction=holes)
         flow = system.solve(moved)[0]
         for face in (0, 1):
@@ -118,20 +103,6 @@ def test_force_of_heat_is_heat_of_motion(gas, kn, level, near):
             pressures = [weights @ face_result(system, hot, fields[k], k).pressure for k in (0, 1)]
             heat = weights @ face_result(system, moved, flow[face], face).heat
             assert heat == pytest.approx(pressures[1] - pressures[0], rel=near), wall
-
-
-def test_moved_disk_feels_the_free_molecular_drag():
-    """Disk moved broadside through a very thin gas: 2 (4 − 2α + πα/2)/√π per face pair."""
-    mesh = ROUGH.mesh(0.004, np.inf)
-    operators = assemble(mesh, 0.004, ROUGH.quadrature)
-    system = LinearSystem(operators, MONATOMIC, 0.7)
-    walls = FaceWalls((0.7, 0.7), (0.0, 0.0), velocity=1.0)
-    fields = system.solve(walls)[0]
-    up, down = (
-        mesh.face_weights @ face_result(system, walls, fields[k], k).pressure for k in (0, 1)
-    )
-    expected = 2.0 * (4.0 - 2.0 * 0.7 + 0.5 * np.pi * 0.7) / np.sqrt(np.pi)
-    assert up - down == pytest.approx(expected, rel=3e-3)
 
 
 def test_equal_faces_feel_no_force_and_exchanged_ones_the_opposite():
@@ -157,7 +128,7 @@ def test_refinement_converges():
 def test_gas_far_away_is_resolved_by_wide_panels():
     """At Kn 0.05 the widest panels are hundreds of mean free paths wide, and nodes in them far
     from their edges; the table's panels are others."""
-    assert row_solved(0.05, 1.0, MEDIUM) == pytest.approx(row_of_the_table(0.05, 1.0), rel=1e-3)
+    assert row_solved(0.05, 1.0, COARSE) == pytest.approx(row_of_the_table(0.05, 1.0), rel=3e-3)
 
 
 def test_gas_around_a_very_hot_disk_is_resolved_as_well():
@@ -165,15 +136,6 @@ def test_gas_around_a_very_hot_disk_is_resolved_as_well():
     expected = row_of_the_table(0.2, 2.5)
     assert force == pytest.approx(expected[0], rel=5e-3)
     assert heat == pytest.approx(expected[1], rel=5e-4)
-
-
-def test_open_space_is_the_limit_of_a_far_reservoir():
-    """A reservoir's effect falls off as its inverse distance, as the far field does."""
-    opened, far, near = (
-        np.array(ratios(case(0.4, (0.8, 0.9), boundary=d), COARSE)) for d in (np.inf, 60.0, 20.0)
-    )
-    np.testing.assert_allclose((near - opened) / (far - opened), 3.0, rtol=0.1)
-    assert near[0] > 1.03 * opened[0]
 
 
 def test_a_reservoir_many_mean_free_paths_away_is_seen():
@@ -196,48 +158,11 @@ def test_a_reservoir_many_mean_free_paths_away_is_seen():
     assert far.force / opened.force == pytest.approx(1.22497, rel=0.01)
 
 
-@pytest.mark.parametrize(("gas", "excess"), [(MONATOMIC, 1e-3), (DIATOMIC, -1e-3)])
-def test_nonlinear_goes_to_linear(gas, excess):
-    linear = ratios(case(0.3, (0.7, 0.9), gas=gas))
-    hot = case(0.3, (0.7, 0.9), (1.0 + excess,) * 2, linear=False, gas=gas)
-    assert ratios(hot) == pytest.approx(linear, rel=1e-3)
-
-
-@pytest.mark.parametrize("gas", [MONATOMIC, DIATOMIC])
-def test_nonlinear_free_molecular_limit_of_maxwell_walls(gas):
-    top, bottom = TEMPERATURE_RATIOS[::-1]
-    hot = case(100.0, (0.5, 1.0), (top, bottom), linear=False, gas=gas)
-    outcome = solve_case(hot, ROUGH)
-    # a face returns the share α of its molecules with √T times the momentum, T times the energy
-    force = 0.5 * (1.0 * (np.sqrt(bottom) - 1.0) - 0.5 * (np.sqrt(top) - 1.0))
-    carried = {"monatomic": 2.0, "diatomic": 3.0}[gas.name] / 2.0
-    heat = carried * (0.5 * (top - 1.0) + bottom - 1.0) / np.sqrt(np.pi)
-    assert outcome.force == pytest.approx(force, rel=1e-3)
-    assert sum(outcome.heat) == pytest.approx(heat, rel=1e-3)
-    limit = hot.free_molecular()
-    assert (limit.force, sum(limit.heat)) == pytest.approx((force, heat), rel=1e-12)
-
-
-@pytest.mark.parametrize("linear", [True, False])
-@pytest.mark.parametrize("holes", [0.3, 0.99])
-def test_holes_take_their_share_of_the_free_molecular_force(holes, linear):
-    faces = (0.2, 0.9) if linear else (1.2, 1.9)
-    problem = case(100.0, (0.7, 0.9), faces, linear, DIATOMIC, holes=holes)
-    outcome = solve_case(problem, ROUGH)
-    growth = (0.1, 0.45) if linear else (np.sqrt(1.2) - 1.0, np.sqrt(1.9) - 1.0)
-    force = 0.5 * (1.0 - holes) * (0.9 * growth[1] - 0.7 * growth[0])
-    heat = 1.5 * (1.0 - holes) * (0.7 * 0.2 + 0.9 * 0.9) / np.sqrt(np.pi)
-    assert outcome.force == pytest.approx(force, rel=2e-3)
-    assert sum(outcome.heat) == pytest.approx(heat, rel=1e-3)
-    limit = problem.free_molecular()
-    assert (limit.force, sum(limit.heat)) == pytest.approx((force, heat), rel=1e-12)
-
-
 @pytest.mark.parametrize("linear", [True, False])
 def test_gas_that_passes_the_holes_goes_round_the_disk(linear):
     """As much gas leaves a cylinder about the disk as enters it, and both faces see one flow."""
     faces = (0.0, 1.0) if linear else (1.0, 1.5)
-    found = solve_case(case(0.6, (1.0, 1.0), faces, linear, holes=0.5), COARSE)
+    found = solve_case(case(0.6, (1.0, 1.0), faces, linear, holes=0.5), SKETCH)
     nodes, weights = np.polynomial.legendre.leggauss(24)
     radius, weights = 0.5 * (nodes + 1.0), 0.5 * weights
 
@@ -254,49 +179,28 @@ def test_gas_that_passes_the_holes_goes_round_the_disk(linear):
     passed = through(1e-9, 1.0)
     assert passed < -0.003  # towards the hot face, and so down
     below = through(-size, size)
-    # with the fine mesh it is 2e-4
-    assert abs(outwards + through(size, size) - below) < 8e-3 * abs(below)
-    assert passed == pytest.approx(through(-1e-9, 1.0), rel=3e-3)
-
-
-def test_nonlinear_goes_to_linear_with_holes():
-    excess = 1e-3
-    linear = solve_case(case(0.3, (0.7, 0.9), (0.5, 1.0), holes=0.6), SKETCH)
-    faces = (1.0 + 0.5 * excess, 1.0 + excess)
-    hot = solve_case(case(0.3, (0.7, 0.9), faces, linear=False, holes=0.6), SKETCH)
-    assert hot.force / excess == pytest.approx(linear.force, rel=excess)
-    assert np.divide(hot.heat, excess) == pytest.approx(linear.heat, rel=excess)
+    # with the fine mesh it is 2e-4, with the coarse one 6e-3
+    assert abs(outwards + through(size, size) - below) < 1.2e-2 * abs(below)
+    assert passed == pytest.approx(through(-1e-9, 1.0), rel=5e-3)
 
 
 @pytest.mark.parametrize(
     ("holes", "rarefaction", "boundary", "force", "heat"),
     [
-        (0.2, 1.0, 3.0, 0.152146, 0.405124),
+        (0.0, 0.5, 3.0, 0.208134, 0.526975),
         (0.6, 1.0, 3.0, 0.083446, 0.21377),
-        (0.9, 1.0, 3.0, 0.022276, 0.055604),
         (0.4, 2.0, 4.0, 0.092583, 0.287749),
         (0.7, 0.1, 3.0, 0.069557, 0.168532),
     ],
 )
-def test_one_hot_face_with_holes_in_helium_as_published(holes, rarefaction, boundary, force, heat):
-    """[Schafer2025]_; their domain reaches to 3 radii at δ = 1 and is not known at others."""
+def test_one_hot_face_in_helium_as_published(holes, rarefaction, boundary, force, heat):
+    """[Schafer2025]_, direct simulation: one face at 4/3 of the gas's temperature.
+
+    Their domain reaches to 3 radii at δ = 1 and is not known at others.
+    """
     faces = (1.0, 4.0 / 3.0)
     kn = np.sqrt(np.pi) / 4.0 / rarefaction
     outcome = solve_case(case(kn, (1.0, 1.0), faces, False, boundary=boundary, holes=holes), SKETCH)
-    assert 3.0 * outcome.force == pytest.approx(force, rel=0.03)
-    assert 3.0 * outcome.heat[1] == pytest.approx(heat, rel=0.015)
-
-
-@pytest.mark.parametrize(
-    ("rarefaction", "force", "heat"),
-    [(0.1, 0.228494, 0.556658), (0.5, 0.208134, 0.526975), (1.0, 0.182141, 0.492799)],
-)
-def test_one_hot_face_in_helium_as_published(rarefaction, force, heat):
-    """[Schafer2025]_, direct simulation: one face at 4/3 of the gas's temperature, D = 3."""
-    problem = case(
-        np.sqrt(np.pi) / 4.0 / rarefaction, (1.0, 1.0), (1.0, 4.0 / 3.0), False, boundary=3.0
-    )
-    outcome = solve_case(problem, SKETCH)
     # theirs are per ΔT/T₀ = 1/3
     assert 3.0 * outcome.force == pytest.approx(force, rel=0.03)
     assert 3.0 * outcome.heat[1] == pytest.approx(heat, rel=0.015)

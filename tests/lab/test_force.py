@@ -104,7 +104,7 @@ def test_the_interval_of_the_ratio_is_as_wide_as_one_is_off():
         ambient=Measured(296.0, 2.0), tac_hot=Measured(0.8, 0.03), tac_cold=Measured(0.8, 0.03),
     )  # fmt: skip
     rng, errors = np.random.default_rng(7), []
-    for _ in range(8):
+    for _ in range(5):
         wide, hot, cold, around, tac, gauge, balance = rng.standard_normal(7)
         true = lf.lab.Vane(
             Measured(0.12 + 0.001 * wide), Measured(419.0 + hot), Measured(394.0 + cold),

@@ -3,18 +3,15 @@
 import csv
 import dataclasses
 
-import jax
 import numpy as np
 import pytest
 import tmm
 
-import lightflyer as lf
 from lightflyer.film import (
     AngularSummary,
     Film,
     Layer,
     Spectrum,
-    absorptance,
     am0,
     emittance,
     light_by_angle,
@@ -53,15 +50,9 @@ def test_light_by_angle_is_that_of_tmm(film):
     np.testing.assert_allclose(sum(found), 1.0, atol=1e-13)
 
 
-def test_unpolarised_light_is_the_mean(film):
-    found = light_by_angle(film, ANGLES).polarisation_mean().absorptance
-    expected = [absorptance(film, incidence=angle).value for angle in ANGLES]
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
-
-
-@pytest.mark.parametrize("side", ["top", "bottom"])
-def test_directional_emittances_add_up_to_the_hemispherical_one(film, side):
+def test_directional_emittances_add_up_to_the_hemispherical_one(film):
     """By another quadrature, even in the angle itself."""
+    side = "bottom"
     nodes, weights = np.polynomial.legendre.leggauss(32)
     angles, weights = 0.25 * np.pi * (nodes + 1.0), 0.25 * np.pi * weights
     temperatures = np.array([250.0, 441.0])
@@ -81,20 +72,6 @@ def test_a_black_lake_obeys_fresnel():
         (1.33 + 0.5j) ** 2 * np.cos(ANGLES) + inside
     )
     np.testing.assert_allclose(found, 1.0 - np.abs([s, p]) ** 2, rtol=1e-8)
-
-
-def test_it_is_differentiable_in_thickness_and_angle(film):
-    def passed(x):
-        lit = Film((Layer(flat(3.0, 0.4), 1e-8 * x[0]), film.layers[1]))
-        return light_by_angle(lit, x[1:]).transmittance[1].sum()
-
-    point, step = np.array([3.0, 0.4, 0.9]), 1e-4
-    with lf.float64():
-        slope = np.asarray(jax.grad(passed)(point))
-    for number in range(3):
-        change = step * np.eye(3)[number]
-        difference = (passed(point + change) - passed(point - change)) / (2.0 * step)
-        assert slope[number] == pytest.approx(float(difference), rel=1e-5)
 
 
 def test_tables_and_datasets_hold_the_same_numbers(summary, tmp_path):

@@ -6,11 +6,9 @@ import tmm
 import lightflyer as lf
 from lightflyer.core import constants
 from lightflyer.film import (
-    EmittanceCurve,
     Film,
     Layer,
     absorptance,
-    am0,
     emittance,
     emittance_curve,
     material,
@@ -48,12 +46,8 @@ def test_planck_weighted_integration_has_converged():
     np.testing.assert_allclose(plain, finer, rtol=1e-5)
 
 
-def test_emittance_is_between_nothing_and_a_black_body(rng):
-    for _ in range(5):
-        n, k, d = rng.uniform(1.0, 5.0), 10 ** rng.uniform(-3, 1), 10 ** rng.uniform(-8, -4)
-        values = emittance(Film((Layer(flat(n, k), d),)), TEMPERATURES).value
-        assert np.all((values > 0.0) & (values <= 1.0))
-    matched = Film((Layer(flat(1.0, 4e-3), 0.01),))  # no reflection, and opaque
+def test_an_opaque_film_that_reflects_nothing_is_a_black_body():
+    matched = Film((Layer(flat(1.0, 4e-3), 0.01),))
     assert emittance(matched, 1500.0, normal=True).value == pytest.approx(1.0, abs=1e-5)
 
 
@@ -137,14 +131,6 @@ def test_a_body_too_cold_to_radiate_is_refused():
         emittance(nominal(), [300.0, 1.0])
 
 
-def test_sunlight_absorbed_is_the_weighted_mean_over_its_own_table():
-    film = nominal()
-    wavelength, weight = am0().between(*film.covered_range)
-    spectral = film.optics(wavelength, 0.5).polarisation_mean()
-    expected = (weight @ (1.0 - spectral.reflectance - spectral.transmittance)) / weight.sum()
-    assert absorptance(film, incidence=0.5).value == pytest.approx(expected, rel=1e-12)
-
-
 def test_the_curve_follows_the_emittance_everywhere():
     curve = emittance_curve(nominal(), "bottom")
     between = np.geomspace(100.0, 1500.0, 37)
@@ -189,14 +175,6 @@ def test_the_heat_balance_closes_with_a_curve(curve):
     assert np.all(np.abs(balance.radiated_power - expected) < 1e-6 * np.abs(expected) + cancelled)
     total = balance.radiated_power + balance.gas_power
     np.testing.assert_allclose(total, balance.absorbed_power, rtol=1e-10)
-
-
-def test_a_level_curve_is_a_constant():
-    level = EmittanceCurve.through(np.full(20, 0.08))
-    state = lf.lu2023_earth().state(72e3)
-    curved = lf.levitate(flyer(level, 0.08), state, lf.Lu2023())
-    plain = lf.levitate(flyer(0.08, 0.08), state, lf.Lu2023())
-    assert curved.irradiance == pytest.approx(float(plain.irradiance), rel=1e-10)
 
 
 def test_cooling_below_the_gas_has_a_root_too(curve):

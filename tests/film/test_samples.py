@@ -1,6 +1,6 @@
 """Stacks between media, incoherent layers, rough interfaces and holes.
 
-Against `tmm` (coh_tmm and inc_tmm), closed forms, and averages over thickness.
+Against `tmm` (coh_tmm and inc_tmm) and closed forms.
 """
 
 import jax
@@ -63,22 +63,6 @@ def test_stacks_between_media_are_those_of_tmm(rng, coherent):
             ours = [optics.reflectance[row], optics.transmittance[row]]
             ours += [*optics.layer_absorptance[:, row]]
             np.testing.assert_allclose(ours, [data["R"], data["T"], *inside], rtol=0.0, atol=1e-12)
-
-
-def test_an_incoherent_layer_is_the_mean_over_thicknesses():
-    """The mean over one whole fringe, of a plate that absorbs a little."""
-    n, k, d = 2.5, 1e-5, 1e-3
-    fringe = WAVELENGTH / (2.0 * n)
-    thicknesses = d + fringe * (np.arange(64) / 64)
-    coated = np.full(64, 8e-8)
-    fields = stack_optics(
-        np.array([[1.6], [n]]) + np.zeros(64), np.array([[0.2], [k]]) + np.zeros(64),
-        np.stack([coated, thicknesses]), WAVELENGTH,
-    )  # fmt: skip
-    powers = stack_optics([1.6, n], [0.2, k], [8e-8, d], WAVELENGTH, coherent=[True, False])
-    for name in ("reflectance", "transmittance", "layer_absorptance"):
-        mean = np.asarray(getattr(fields, name)).mean(axis=-1)
-        np.testing.assert_allclose(getattr(powers, name), mean, rtol=2e-4, atol=2e-6)
 
 
 def test_light_does_not_enter_what_it_is_totally_reflected_by():

@@ -63,27 +63,6 @@ def test_a_wind_over_the_poles_and_the_date_line(wind, places):
     np.testing.assert_allclose(found.up, 0.55, rtol=1e-12)
 
 
-def test_one_wind_at_a_pole_whatever_its_longitude(wind):
-    longitudes = np.radians([0.0, 77.0, 200.0])
-    for pole in (-0.5 * np.pi, 0.5 * np.pi):
-        east, north, _ = wind.velocity(50e3, Place(np.full(3, pole), longitudes, 0.0))
-        sign = np.sign(pole)
-        x = -east * np.sin(longitudes) - sign * north * np.cos(longitudes)
-        y = east * np.cos(longitudes) - sign * north * np.sin(longitudes)
-        np.testing.assert_allclose(x, x[0], rtol=1e-12)
-        np.testing.assert_allclose(y, y[0], rtol=1e-12)
-        assert np.hypot(x[0], y[0]) == pytest.approx(300.0, rel=1e-3)
-
-
-def test_turning_the_data_turns_the_wind(wind):
-    # by 90°, a whole number of the grid's steps: exact to rounding
-    turned = GriddedWind(dataset(axis_longitude=0.3 + 0.5 * np.pi))
-    latitude, longitude, time = np.array([0.2, -1.5, 1.57]), np.array([0.1, 3.1, 6.2]), 5e3
-    before = wind.velocity(62e3, Place(latitude, longitude, time))
-    after = turned.velocity(62e3, Place(latitude, longitude + 0.5 * np.pi, time))
-    np.testing.assert_allclose(after, before, rtol=1e-11, atol=1e-10)
-
-
 def test_derivative_is_continuous_across_nodes(wind):
     def east(longitude):
         return wind.velocity(50e3, Place(0.8, longitude, 6.0 * 3600.0)).east

@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -114,36 +113,29 @@ def test_numbers_that_a_planet_lacks_are_asked_for(titan):
         bare.gravity_at(0.0)
 
 
-def predicted(folder: Path, environment: str) -> dict:
+@pytest.mark.slow
+def test_a_file_has_the_light_of_its_planet_unless_it_states_other(tmp_path):
     """What ``lightflyer predict`` says of a file, with Titan in an installed package."""
-    (folder / "titan.py").write_text(TITAN)
-    about = folder / "titan-1.0.dist-info"
+    (tmp_path / "titan.py").write_text(TITAN)
+    about = tmp_path / "titan-1.0.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: titan\nVersion: 1.0\n")
     (about / "entry_points.txt").write_text("[lightflyer]\ntitan = titan\n")
-    (folder / "flyer.toml").write_text(FILE.format(environment))
-    path = os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = "irradiance = '12 W/m^2'\naltitude_max = '400 km'"
+    (tmp_path / "flyer.toml").write_text(FILE.format(environment))
+    path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
     run = subprocess.run(
-        [sys.executable, "-m", "lightflyer", "predict", str(folder / "flyer.toml"), "--json"],
+        [sys.executable, "-m", "lightflyer", "predict", str(tmp_path / "flyer.toml"), "--json"],
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,
         check=False,
     )
     assert run.returncode == 0, run.stderr
-    return json.loads(run.stdout)
-
-
-@pytest.mark.slow
-def test_a_file_has_the_light_of_its_planet(tmp_path):
-    found = predicted(tmp_path, "")
-    assert found["assumptions"][0].startswith("light: 14.8 W/m²")
-
-
-@pytest.mark.slow
-def test_a_file_may_state_other_light(tmp_path):
-    found = predicted(tmp_path, "irradiance = '12 W/m^2'\naltitude_max = '400 km'\nalbedo = 0.2")
-    assert found["assumptions"][0].startswith("light: 12 W/m²")
+    light, reflected, infrared, *_ = json.loads(run.stdout)["assumptions"]
+    assert light.startswith("light: 12 W/m²")
+    assert "0.26 of it (albedo)" in reflected
+    assert "from below 2.3 W/m²" in infrared
 
 
 def test_a_section_without_a_planet_asks_for_the_light():

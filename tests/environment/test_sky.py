@@ -126,9 +126,10 @@ def test_first_and_last_light_within_ten_seconds(date, degrees, altitude):
 
 def test_last_light_moves_with_the_latitude():
     place = Place.at("2026-06-21T12:00Z", 45.0, 0.0)
+    sky = SKY.over(place.time - 86_400.0, place.time + 86_400.0)  # which compiles sooner
 
     def last(latitude):
-        return SKY.light_hours(75e3, place._replace(latitude=latitude)).last
+        return sky.light_hours(75e3, place._replace(latitude=latitude)).last
 
     with lf.float64():
         _, slope = jax.jvp(last, (place.latitude,), (1.0,))
@@ -185,7 +186,7 @@ def test_a_level_face_takes_the_light_of_a_disk_at_sunset():
 
 
 def test_light_is_smooth_through_the_evening(film):
-    """Absorbed power over three hours around sunset: no jump of its slope, and its derivative."""
+    """Absorbed power over three hours around sunset: no jump of its slope."""
     disk = lf.Disk(film, 0.01)
 
     @lf.entry_point
@@ -201,12 +202,6 @@ def test_light_is_smooth_through_the_evening(film):
         slopes = [np.diff(values[part][::step]) / (2.5 * step) for step in (2, 1)]
         coarse, fine = (np.abs(slope[2:] - slope[:-2]).max() for slope in slopes)
         assert fine < 0.8 * coarse
-    slope = np.diff(values) / 2.5
-    with lf.float64():
-        exact = jax.jit(jax.vmap(jax.grad(power)))(time[1:-1:120])
-    np.testing.assert_allclose(
-        exact, ((values[2:] - values[:-2]) / 5.0)[::120], atol=2e-3 * np.abs(slope).max()
-    )
 
 
 def test_derivatives_of_the_sky_forwards_and_backwards():

@@ -39,7 +39,7 @@ def separation(one, other):
 def random_century():
     """Random places and times from 1950 to 2050, and the sun of SPA there."""
     rng = np.random.default_rng(14)
-    count = 1500
+    count = 400
     time = rng.uniform(-0.5, 0.5, count) * CENTURY
     latitude = np.arcsin(rng.uniform(-1.0, 1.0, count))
     longitude = rng.uniform(-np.pi, np.pi, count)
@@ -60,7 +60,6 @@ def random_century():
     )
 
 
-@pytest.mark.slow
 def test_the_sun_stands_where_spa_has_it(random_century):
     place, zenith_angle, azimuth, distance = random_century
     sun = EarthSun().position_above(place)
@@ -82,15 +81,6 @@ def test_examples_of_almanacs():
     # [Meeus1998]_ example 25.a: 13 October 1992, 0 h terrestrial time: declination -7.78507°
     declination = np.degrees(np.arcsin(sun_from_earth(-2636.5 * 86_400.0 - 69.2).direction[2]))
     assert declination == pytest.approx(-7.785, abs=0.002)
-
-
-def test_a_day_goes_once_round():
-    noon = 820_497_600.0 + 86_400.0 * np.arange(2)
-    east = np.unwrap(np.arctan2(*sun_from_earth(noon).direction[:, 1::-1].T))
-    # the sun is back within the change of the equation of time, half a minute a day
-    assert np.abs(np.degrees(np.diff(east)) % 360.0 % 359.9) < 0.2
-    direction = sun_from_earth(noon).direction
-    np.testing.assert_allclose(np.linalg.norm(direction, axis=-1), 1.0, rtol=1e-14)
 
 
 def test_derivatives_by_time_and_place(compiled):
@@ -124,12 +114,6 @@ def test_overhead_and_over_the_pole():
         for longitude in (0.0, 2.0, -2.0)
     ]
     np.testing.assert_allclose(north, north[0], rtol=1e-14)
-
-
-def test_the_date_line_is_nothing_special():
-    one, other = (EarthSun().position_above(Place(0.4, lon, 8.2e8)) for lon in (np.pi, -np.pi))
-    np.testing.assert_allclose(one.zenith_angle, other.zenith_angle, rtol=1e-12)
-    np.testing.assert_allclose(one.azimuth, other.azimuth, rtol=1e-12)
 
 
 def ellipsoid(latitude, longitude, a=6_378_137.0, f=1.0 / 298.257223563):

@@ -181,8 +181,8 @@ def test_closed_streams_change_nothing_else(flyer_file, tmp_path):
         for prefix in ("env -u PYTHONUNBUFFERED", "PYTHONUNBUFFERED=1"):
             lost = {"prefix": prefix, "suffix": "2>/dev/full"}
             assert command("predict", tmp_path / "none.toml", **lost).returncode == 2
-            warned = flyer_file("tac_bottom = 0.9", "tac_bottom = 1.05")
-            assert command("predict", warned, "--samples 0", **lost).returncode == 0
+        warned = flyer_file("tac_bottom = 0.9", "tac_bottom = 1.05")
+        assert command("predict", warned, "--samples 0", **lost).returncode == 0
     done = command("predict", tmp_path / "none.toml", suffix=">&- <&-")
     assert len(unwrap(done.stderr)) == 1
 

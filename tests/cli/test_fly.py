@@ -136,13 +136,6 @@ def test_what_a_rocket_lets_go_lands(fly, folder):
     assert [one["properties"]["holds"] for one in areas] == [0.5, 0.95]
 
 
-def test_a_landing_above_any_ground_is_refused(fly):
-    changes = (('"1 km"', '"50 km"'), ("[flyer]", "[mission.landing]\nobjects = 9\n\n[flyer]"))
-    code, _, errors = fly(*changes)
-    assert code == 2
-    assert "landing has no effect: the mission ends at 50 km" in errors
-
-
 @pytest.mark.slow
 def test_a_mission_writes_what_it_says(fly, folder):
     out = folder / "out"
@@ -329,35 +322,6 @@ def test_a_mission_in_the_polar_night_says_that_it_finds_no_light(fly):
     assert any("never finds light" in text for text in summary["warnings"])
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ('"75 ± 0.2 km"', '"0.5 km"', "mission.toml: release altitude 0.5 km is at or"),
-        ('"75 ± 0.2 km"', '"130 km"', "release altitude 130 km is at or above the highest"),
-        ('"120 km"', '"2000 km"', "highest altitude 2000 km is outside the atmosphere"),
-        ("2026-06-21T12:00:00Z", '"soon"', "mission.toml:2: mission.date"),
-        ("2026-06-21T12:00:00Z", "2026-06-21", "2026-06-21 is a day; add the hour"),
-        ("2026-06-21T12:00:00Z", "1782043200", "1782043200 is not a date; write it such as"),
-        ("2026-06-21T12:00:00Z", "3026-06-21T12:00:00Z", "outside the years 1950 to 2050"),
-        ('every = "5 min"', 'every = "31 h"', "every, 111600 s, is longer than the duration"),
-        ('latitude = "45 deg"', 'latitude = "95 deg"', "mission.toml:3: mission.latitude"),
-        ('"30 h"', '"30 m"', "mission.toml:6: mission.duration"),
-        ('every = "5 min"', "tilt_share = 0.5", "tilt_share has no effect"),
-        ("members = 6", "members = 1", "mission.toml:12: mission.ensemble.members"),
-        ("members = 6", "member = 6", "mission.toml:12: mission.ensemble.member is not a key"),
-        ("[mission.ensemble]\nmembers = 6", "[mission.swarm]\nmembers = 6", "mission.swarm"),
-        ("wind.nc", "nowhere.nc", "nowhere.nc"),
-        ('diameter = "2 mm"', "", "mission.toml:20: [flyer] needs diameter"),
-    ],
-)
-def test_mistakes_get_a_line_each(fly, old, new, says):
-    code, shown, errors = fly((old, new))
-    assert code == 2
-    assert not shown
-    assert says in errors
-    assert len(errors.splitlines()) <= 3
-
-
 STEERED = """\
 attitude = "towards-station"
 largest_tilt = "10 deg"
@@ -378,8 +342,8 @@ radius = "150 km"
 def test_a_steered_mission_says_how_long_it_stays_near_its_station(fly, folder):
     out = folder / "steered"
     code, shown, errors = fly(
-        ('duration = "30 h"', 'duration = "8 h"'), ("[mission.ensemble]", STEERED),
-        ("members = 6", "members = 3"), ('[mission.launches]\nevery = "6 h"\ncount = 2\n', ""),
+        ('duration = "30 h"', 'duration = "4 h"'), ("[mission.ensemble]", STEERED),
+        ("members = 6", "members = 2"), ('[mission.launches]\nevery = "6 h"\ncount = 2\n', ""),
         options=("--out", out, "--format", "png"),
     )  # fmt: skip
     assert code == 0, errors
@@ -396,27 +360,52 @@ def test_a_steered_mission_says_how_long_it_stays_near_its_station(fly, folder):
     assert hours == pytest.approx(stay["within_h"], abs=0.1)
 
 
-@pytest.mark.parametrize(("old", "new", "said"), [
-    ('"choose-wind"', '"choose"', 'mission.shading.rule = "choose" is unknown'),
-    ('lowest = "64 km"', "", "[mission.shading] needs lowest"),
-    ('lowest = "64 km"', 'lowest = "95 km"', "highest of the winds to choose from must be above"),
-    ('lowest = "64 km"', 'lowest = "64 ± 1 km"', 'mission.shading.lowest = "64 ± 1 km": takes no'),
-    ('"10 deg"', '"120 deg"', "must be between 0 and 90 deg"),
-    ('"towards-station"', '"level"', "largest_tilt has no effect beside attitude"),
-    ('"150 km"', '"150"', 'mission.station.radius: "150" has no unit'),
-])  # fmt: skip
-def test_a_mistake_in_steering_is_said_with_its_place(fly, old, new, said):
-    code, _, errors = fly(("[mission.ensemble]", STEERED.replace(old, new)))
-    assert code == 2
-    assert said in errors
-    assert "mission.toml:" in errors
+# by what else is changed, before
+MISTAKES = {
+    (): [
+        ('"75 ± 0.2 km"', '"0.5 km"', "mission.toml: release altitude 0.5 km is at or"),
+        ('"75 ± 0.2 km"', '"130 km"', "release altitude 130 km is at or above the highest"),
+        ('"120 km"', '"2000 km"', "highest altitude 2000 km is outside the atmosphere"),
+        ("2026-06-21T12:00:00Z", '"soon"', "mission.toml:2: mission.date"),
+        ("2026-06-21T12:00:00Z", "2026-06-21", "2026-06-21 is a day; add the hour"),
+        ("2026-06-21T12:00:00Z", "1782043200", "1782043200 is not a date; write it such as"),
+        ("2026-06-21T12:00:00Z", "3026-06-21T12:00:00Z", "outside the years 1950 to 2050"),
+        ('every = "5 min"', 'every = "31 h"', "every, 111600 s, is longer than the duration"),
+        ('latitude = "45 deg"', 'latitude = "95 deg"', "mission.toml:3: mission.latitude"),
+        ('"30 h"', '"30 m"', "mission.toml:6: mission.duration"),
+        ('every = "5 min"', "tilt_share = 0.5", "tilt_share has no effect"),
+        ("members = 6", "members = 1", "mission.toml:12: mission.ensemble.members"),
+        ("members = 6", "member = 6", "mission.toml:12: mission.ensemble.member is not a key"),
+        ("[mission.ensemble]\nmembers = 6", "[mission.swarm]\nmembers = 6", "mission.swarm"),
+        ("wind.nc", "nowhere.nc", "nowhere.nc"),
+        ('diameter = "2 mm"', "", "mission.toml:20: [flyer] needs diameter"),
+    ],
+    (('"1 km"', '"50 km"'),): [
+        ("[flyer]", "[mission.landing]\nobjects = 9\n\n[flyer]", "the mission ends at 50 km"),
+    ],
+    (("[mission.ensemble]", STEERED),): [
+        ('"choose-wind"', '"choose"', 'mission.shading.rule = "choose" is unknown'),
+        ('lowest = "64 km"', "", "[mission.shading] needs lowest"),
+        ('lowest = "64 km"', 'lowest = "95 km"', "highest of the winds to choose from"),
+        ('lowest = "64 km"', 'lowest = "64 ± 1 km"', 'lowest = "64 ± 1 km": takes no'),
+        ('"10 deg"', '"120 deg"', "must be between 0 and 90 deg"),
+        ('"towards-station"', '"level"', "largest_tilt has no effect beside attitude"),
+        ('"150 km"', '"150"', 'mission.station.radius: "150" has no unit'),
+    ],
+    (("[mission]\n", '[mission]\nattitude = "level"\n'),): [
+        ('latitude = "45 deg"', 'latitude = "45 ± 1 deg"', "is position_uncertainty in ["),
+        ('[flyer]\n', '[flyer]\ntilt = "10 deg"\n', 'tilt has no effect beside attitude = "level"'),
+    ],
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(("old", "new", "said"), [
-    ('latitude = "45 deg"', 'latitude = "45 ± 1 deg"', "is position_uncertainty in [mission.en"),
-    ('[flyer]\n', '[flyer]\ntilt = "10 deg"\n', 'tilt has no effect beside attitude = "level"'),
-])  # fmt: skip
-def test_what_has_no_effect_on_a_mission_is_said(fly, old, new, said):
-    code, _, errors = fly((old, new), ("[mission]\n", '[mission]\nattitude = "level"\n'))
-    assert code == 2
+@pytest.mark.parametrize(
+    ("before", "old", "new", "said"),
+    [(before, *mistake) for before, mistakes in MISTAKES.items() for mistake in mistakes],
+)
+def test_a_mistake_is_one_line_with_its_place(fly, before, old, new, said):
+    code, shown, errors = fly(*before, (old, new))
+    assert (code, shown) == (2, "")
     assert said in errors
+    assert "mission.toml:" in errors or old in ("wind.nc", "[flyer]"), errors
+    assert len(errors.splitlines()) <= 3

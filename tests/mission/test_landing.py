@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 import lightflyer as lf
 from lightflyer.environment.base import Wind
 from lightflyer.environment.wind.base import AbstractWind
+from lightflyer.mission.report import landing
 from lightflyer.mission.report.landing import (
     Landings,
     Map,
@@ -21,8 +22,6 @@ from lightflyer.mission.report.landing import (
 )
 from lightflyer.mission.report.maps import rings_of, write_geojson
 
-pytestmark = pytest.mark.slow
-
 RADIUS = 6_371_008.7714
 
 
@@ -33,7 +32,8 @@ def cloud(count, seed=0, wide=3e4, long=8e4, turn=0.6):
 
 
 @pytest.mark.parametrize("share", [0.5, 0.95])
-def test_an_area_of_gaussian_landings_is_that_of_the_closed_form(share):
+def test_an_area_of_gaussian_landings_is_that_of_the_closed_form(share, monkeypatch):
+    monkeypatch.setattr(landing, "_RESAMPLES", 100)
     exact = 2.0 * np.pi * 3e4 * 8e4 * np.log(1.0 / (1.0 - share))
     assert size_holding(cloud(200_000), share) == pytest.approx(exact, rel=0.01)
     found = [_holding(cloud(200, seed), share) for seed in range(1, 25)]
@@ -45,7 +45,8 @@ def test_an_area_of_gaussian_landings_is_that_of_the_closed_form(share):
     np.testing.assert_allclose(lengths, [8e4 * scale, 3e4 * scale], rtol=0.05)
 
 
-def test_an_area_holds_its_share_of_further_landings_whatever_they_are():
+def test_an_area_holds_its_share_of_further_landings_whatever_they_are(monkeypatch):
+    monkeypatch.setattr(landing, "_RESAMPLES", 1)
     generator, held = np.random.default_rng(1), []
     for _ in range(25):  # two clouds, as of day and night
         every = generator.standard_normal((1000, 2))
@@ -132,7 +133,7 @@ class Field(AbstractWind):
 
 RELEASE = {"latitude": 60.0, "longitude": 165.0, "time": "2026-06-21T12:00Z"}
 SPREAD = {"wind": 4.0, "correlation": 30_000.0, "drag": 0.05, "altitude": 300.0, "distance": 2e3}
-FLIGHTS = 300
+FLIGHTS = 150
 THICKNESS, DISK_RADIUS, TOP = 1e-3, 5e-3, 29e3  # kg/m², m, m
 FILM = lf.FilmProperties(THICKNESS, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 DARK = lf.environment.Radiation(0.0)
@@ -174,8 +175,8 @@ def sinking_speeds(heights, factors):
 
 @pytest.fixture(scope="module")
 def monte_carlo():
-    """The same descent by NumPy: times, places and times below levels of 1500 flights."""
-    count, step, generator = 1500, 300.0, np.random.default_rng(2026)
+    """The same descent by NumPy: times, places and times below levels of 1000 flights."""
+    count, step, generator = 1000, 600.0, np.random.default_rng(2026)
     heights, factors = np.linspace(0.0, 31.5e3, 64), np.exp(np.linspace(-0.3, 0.3, 13))
     speed = RegularGridInterpolator((heights, factors), sinking_speeds(heights, factors), "cubic")
     factor = np.exp(SPREAD["drag"] * generator.standard_normal(count))

@@ -42,14 +42,13 @@ def by_scipy(law, begin, times, **how):
     return solve_ivp(rate, (times[0], times[-1]), begin, t_eval=times, vectorized=True, **how).y.T
 
 
-@pytest.mark.slow
 def test_a_flight_through_a_night_is_that_of_scipy(disk):
     earth, times = lf.Earth(sky=lf.environment.Daylight(), wind=WIND), np.linspace(0.0, 64.8e3, 13)
     vehicle = Vehicle(lf.Setup(disk, earth, lf.FreeMolecular()), Own())
     start, limits = RELEASE.start(), Limits(2e4, 1.2e5)
     ours, way = follow(vehicle, start, limits, times, Accuracy.for_duration(times[-1]))
     law = Balanced(vehicle, np.reshape(start.place.time, (1, 1)), limits)
-    theirs = by_scipy(law, scale(start), times, method="LSODA", rtol=1e-11, atol=1e-11)
+    theirs = by_scipy(law, scale(start), times, method="LSODA", rtol=1e-9, atol=1e-9)
     assert np.ptp(ours.altitude) > 5e3
     np.testing.assert_allclose(ours.altitude, 1e5 * theirs[:, 3], atol=0.05)
     np.testing.assert_allclose(ours.position, theirs[:, :3], atol=1e-7)
@@ -71,7 +70,7 @@ def test_what_is_kept_changes_no_flight(disk):
         lf.mission.describe(
             lf.fly(disk, EARTH, lf.FreeMolecular(), release=RELEASE, duration="18 h", every=spacing)
         )
-        for spacing in ("2 min", "1 h", "6 h")
+        for spacing in ("2 min", "6 h")
     }
     assert len(said) == 1
     assert "nights" in said.pop()
@@ -122,13 +121,12 @@ def test_a_flight_ends_at_a_pole_where_a_wind_comes_from_all_sides(disk):
     assert float(flown.end_elapsed) == pytest.approx(whole, rel=1e-3)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("inertia", [None, Inertia()])
 def test_the_first_seconds_are_those_of_scipy(disk, inertia):
     moving = np.array([0.0, 120.0, 350.0])  # in air so thin that it goes on for seconds
     start = dataclasses.replace(RELEASE, altitude=95e3, velocity=moving).start()
     vehicle = Vehicle(lf.Setup(disk, EARTH, lf.FreeMolecular()), Own())
-    times = np.linspace(0.0, 30.0, 16)
+    times = np.linspace(0.0, 8.0, 5)
     numbers = Start(*(np.reshape(one, (1, 1)) for one in (start.altitude,)),
                     type(start.place)(*(np.reshape(one, (1, 1)) for one in start.place)),
                     moving[None, None])  # fmt: skip
@@ -136,8 +134,8 @@ def test_the_first_seconds_are_those_of_scipy(disk, inertia):
     with by_numpy():
         begin = law.at_release(numbers)[:, 0]
     ours = integrate(law, begin, times, Accuracy(100_000))
-    theirs = by_scipy(law, begin[0], times, method="Radau", rtol=1e-8, atol=1e-10)
-    assert np.ptp(theirs[:, 3]) * 1e5 > 100.0
+    theirs = by_scipy(law, begin[0], times, method="LSODA", rtol=1e-8, atol=1e-10)
+    assert np.ptp(theirs[:, 3]) * 1e5 > 50.0
     np.testing.assert_allclose(ours.trajectory.states(times), theirs, atol=2e-7)
 
 

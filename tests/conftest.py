@@ -17,7 +17,8 @@ if importlib.metadata.version("jaxlib").startswith("0.10."):
     os.environ.setdefault(
         "XLA_FLAGS",
         "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false "
-        "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE",
+        "--xla_cpu_opt_preset=CPU_OPT_PRESET_FAST_COMPILE --xla_llvm_disable_expensive_passes=true "
+        "--xla_cpu_parallel_codegen_split_count=1",
     )
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the processors
@@ -42,6 +43,7 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 SHARED = Path(__file__).parents[1] / ".pytest_cache"
 os.environ.setdefault("LIGHTFLYER_CACHE", str(SHARED / "traces"))
 os.environ.setdefault("NUMBA_CACHE_DIR", str(SHARED / "numba"))
+jax.config.update("jax_traceback_in_locations_limit", 0)  # lines of source that nobody asks for
 jax.config.update("jax_compilation_cache_dir", str(SHARED / "programs"))
 jax.config.update("jax_compilation_cache_max_size", 2 * 10**9)
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)

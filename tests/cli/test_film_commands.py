@@ -1,9 +1,13 @@
 """`film` and `materials` as a user runs them, and flyer files with layers."""
 
+import contextlib
+import io
 import json
 
 import numpy as np
 import pytest
+
+from lightflyer.cli import main
 
 FILM = """\
 [film]
@@ -22,9 +26,26 @@ def film_file(write):
     return lambda old="", new="", text=FILM: write(text, "film.toml", (old, new))
 
 
-def test_film_writes_figures_and_one_json(prints, film_file, tmp_path):
-    out = tmp_path / "out"
-    found = json.loads(prints("film", film_file(), "--out", out, "--json", "--at", "550 nm"))
+def printed(*words):
+    """What a command prints."""
+    with contextlib.redirect_stdout(io.StringIO()) as shown, pytest.raises(SystemExit) as end:
+        main([str(word) for word in words])
+    assert not end.value.code
+    return shown.getvalue()
+
+
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory):
+    """Numbers, text and folder of the film."""
+    folder = tmp_path_factory.mktemp("film")
+    path, out = folder / "film.toml", folder / "out"
+    path.write_text(FILM, encoding="utf-8")
+    asked = ("film", path, "--at", "550 nm")
+    return json.loads(printed(*asked, "--json", "--out", out)), printed(*asked), out
+
+
+def test_film_writes_figures_and_one_json(reported):
+    found, _, out = reported
     assert found == json.loads((out / "film.json").read_text())
     assert found["areal_density_g_m2"] == pytest.approx(1.058, rel=1e-3)
     assert found["solar_absorptance_top"] == pytest.approx(0.427, abs=0.002)
@@ -43,17 +64,47 @@ def test_film_writes_figures_and_one_json(prints, film_file, tmp_path):
     assert "wavelength [µm]" in (out / "film-spectra.svg").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
+def test_stated_thicknesses_give_intervals(reported):
+    found, text, _ = reported
+    low, high = found["interval_95"]["emittance_top"]["300"]
+    middle, spread = found["emittance_top"]["300"], found["uncertainty"]["emittance_top"]["300"]
+    assert (low, high) == pytest.approx((middle - 1.96 * spread, middle + 1.96 * spread), rel=1e-4)
+    # 2 nm of alumina of 3000 kg/m³
+    assert found["uncertainty"]["areal_density_g_m2"] == pytest.approx(0.006, rel=1e-6)
+    at = found["at"][0]
+    assert at["interval_95"]["reflectance"][0] < at["reflectance"]
+    said = "no ± is stated for the thickness of Ge, PET: the intervals take it as exact"
+    assert found["warnings"][-1] == said
+    assert f"{low:.4g} to {high:.4g}" in text
+    assert f"warning: {said}" in " ".join(text.split())
+
+
+def test_what_passes_is_printed_with_interval_and_bounds(reported):
+    found, text, _ = reported
+    passing = found["solar_transmittance"]
+    assert 0.0 < passing < 1.0 - found["solar_absorptance_top"]
+    low, high = found["interval_95"]["solar_transmittance"]
+    assert low < passing < high
+    bounds = found["bounds"]["infrared_transmittance"]
+    for temperature, value in found["infrared_transmittance"].items():
+        assert bounds["lower"][temperature] <= value <= bounds["upper"][temperature]
+        assert value + found["emittance_top"][temperature] < 1.0
+    assert f"transmittance     {passing:.4f} (" in text
+    for words in ("infrared", "1.058 g/m²", f"{found['emittance_top']['450']:.4f}"):
+        assert words in text
+
+
 def test_film_says_what_it_extrapolated(prints, film_file):
     path = film_file("[film]\n", '[film]\nextrapolation = "hold"\nspectrum = "cold-white-led"\n')
+    path.write_text(path.read_text().replace("50 ± 2 nm", "50 nm"))
     found = json.loads(prints("film", path, "--json", "--temperatures", "300 K"))
+    assert (found["interval_95"], found["uncertainty"]) == ({}, {})
     assert [entry.split(":")[0] for entry in found["extrapolated"]] == ["Al2O3", "Ge", "PET"]
     assert found["spectrum"]["wavelength_um"][-1] == pytest.approx(25.0)
     assert found["lamp"] == "cold-white LED"
     assert found["lamp_absorptance_top"] == pytest.approx(0.721, abs=0.002)
 
 
-@pytest.mark.slow
 def test_held_data_are_not_called_data(prints, film_file):
     stack = FILM.replace(" ± 2", "").replace("[film]\n", '[film]\nextrapolation = "hold"\n')
     path = film_file(text=stack)
@@ -72,27 +123,6 @@ def test_held_data_are_not_called_data(prints, film_file):
     assert (text.count("43.6%"), text.count("0.052 to 0.488")) == (3, 1)
 
 
-@pytest.mark.slow
-def test_stated_thicknesses_give_intervals(prints, film_file):
-    path = film_file()
-    found = json.loads(prints("film", path, "--json", "--temperatures", "300 K", "--at", "550 nm"))
-    low, high = found["interval_95"]["emittance_top"]["300"]
-    middle, spread = found["emittance_top"]["300"], found["uncertainty"]["emittance_top"]["300"]
-    assert (low, high) == pytest.approx((middle - 1.96 * spread, middle + 1.96 * spread), rel=1e-4)
-    # 2 nm of alumina of 3000 kg/m³
-    assert found["uncertainty"]["areal_density_g_m2"] == pytest.approx(0.006, rel=1e-6)
-    at = found["at"][0]
-    assert at["interval_95"]["reflectance"][0] < at["reflectance"]
-    said = "no ± is stated for the thickness of Ge, PET: the intervals take it as exact"
-    assert found["warnings"][-1] == said
-    text = prints("film", path, "--temperatures", "300 K")
-    assert f"{low:.4g} to {high:.4g}" in text
-    assert f"warning: {said}" in " ".join(text.split())
-    path = film_file("50 ± 2 nm", "50 nm")
-    found = json.loads(prints("film", path, "--json", "--temperatures", "300 K"))
-    assert (found["interval_95"], found["uncertainty"]) == ({}, {})
-
-
 def test_densities_have_uncertainties_and_gaps_between_sources_are_named(prints, film_file):
     layers = FILM.replace('"50 ± 2 nm"', '"50 nm", density = "3000 ± 300 kg/m^3"')
     path = film_file(
@@ -106,7 +136,6 @@ def test_densities_have_uncertainties_and_gaps_between_sources_are_named(prints,
     assert "Ge: density = 5.3 kg/m^3 is unlikely" in said
 
 
-@pytest.mark.slow
 def test_a_prediction_says_which_value_is_which(prints, film_file):
     given = FLYER + 'absorptance = "0.75 ± 0.02"\n'
     film = json.loads(prints("predict", film_file(text=given), "--json", "--at", "72 km"))["film"]
@@ -149,7 +178,6 @@ def test_a_wavelength_outside_the_range_is_refused(refuses, film_file):
     assert "Ge has no data at 0.3 µm, only from 0.4 µm to 15 µm" in errors
 
 
-@pytest.mark.slow
 def test_a_layer_of_ones_own(prints, refuses, film_file, tmp_path):
     (tmp_path / "mine.csv").write_text("wavelength [um],n,k\n0.3,3,1\n20,3,0.01\n")
     layer = '{material = "mine.csv", thickness = "20 nm", density = "5 g/cm^3", tac = "0.9 ± 0.04"}'
@@ -162,23 +190,6 @@ def test_a_layer_of_ones_own(prints, refuses, film_file, tmp_path):
     assert "needs tac_bottom" in refuses("predict", path)
 
 
-def test_what_passes_is_printed_with_interval_and_bounds(prints, film_file):
-    asked = ("film", film_file(), "--temperatures", "441 K")
-    found = json.loads(prints(*asked, "--json"))
-    passing = found["solar_transmittance"]
-    assert 0.0 < passing < 1.0 - found["solar_absorptance_top"]
-    low, high = found["interval_95"]["solar_transmittance"]
-    assert low < passing < high
-    bounds = found["bounds"]["infrared_transmittance"]
-    for temperature, value in found["infrared_transmittance"].items():
-        assert bounds["lower"][temperature] <= value <= bounds["upper"][temperature]
-        assert value + found["emittance_top"][temperature] < 1.0
-    text = prints(*asked)
-    assert f"transmittance     {passing:.4f} (" in text
-    for words in ("infrared", "1.058 g/m²", "0.0752"):
-        assert words in text
-
-
 SAMPLE = """\
 [film]
 layers = [{material = "Ge", thickness = "50 nm", roughness = "3 nm"}]
@@ -186,7 +197,6 @@ substrate = {material = "Si"}
 """
 
 
-@pytest.mark.slow
 def test_a_sample_by_angle(prints, film_file, tmp_path):
     out = tmp_path / "out"
     options = ("--angles", "0 deg,60 deg", "--temperatures", "300 K", "--at", "550 nm")

@@ -69,12 +69,11 @@ def type_into(page, field, text):
     settled(page)
 
 
-@pytest.mark.slow
 def test_figures_follow_a_slider(page):
     page.focus(SLIDER)
     page.evaluate("performance.clearMeasures()")
     before = page.input_value(DIAMETER)
-    for _ in range(10):
+    for _ in range(4):
         page.keyboard.press("ArrowRight")
         page.wait_for_timeout(50)
     settled(page)
@@ -82,7 +81,6 @@ def test_figures_follow_a_slider(page):
     assert page.evaluate("performance.getEntriesByName('redraw').length") > 0
 
 
-@pytest.mark.slow
 def test_page_shows_what_python_computes(page):
     type_into(page, DIAMETER, "2.34567 cm")
     type_into(page, "#field-film\\.tac_bottom", "0.91")
@@ -184,9 +182,8 @@ def test_an_address_holds_what_is_looked_at(page):
     assert page.is_hidden("#mistakes")
 
 
-@pytest.mark.parametrize("address", ["nonsense", "flyer.x.y=1&flyer.x=2", "pin={", "a.b=%ff"])
-def test_wrong_address_is_one_visible_line(page, address):
-    start(page, address)
+def test_wrong_address_is_one_visible_line(page):
+    start(page, "flyer.x.y=1&flyer.x=2")
     assert page.is_visible("#mistakes")
     assert len(page.inner_text("#mistakes").splitlines()) == 1
     assert page.input_value(DIAMETER) == "2 cm"
@@ -299,7 +296,6 @@ def addresses(text, document):
     yield f"pin={quote(text)}"
 
 
-@pytest.mark.slow
 def test_text_from_anywhere_never_runs(page, workplace):
     for text in PAYLOADS:
         for address in addresses(text, workplace.initial):

@@ -99,7 +99,6 @@ def test_swarm_and_drift(disk, setup):
     assert f"warning: {moved.warnings[0]}" in words(moved)
 
 
-@pytest.mark.slow
 def test_optimum_and_sensitivity(setup):
     over = {"altitude": {"from": "60 km", "to": "85 km"}}
     best = lf.optimise(setup, maximise="payload", over=over, starts=1, beyond_range=True)
@@ -176,15 +175,25 @@ def test_light_and_surfaces(raw):
     assert f"rms height Sq {height} nm" in words(rough)
 
 
-@pytest.mark.slow
-def test_a_film_from_its_spectra(raw):
-    fit = lf.lab.fit_optics(lf.lab.read_sample(raw / "sample.toml"), starts=2)
+SAMPLE = """free = [{number = "layers.0.thickness"}]
+[[ellipsometry]]
+file = "angles.csv"
+[film]
+layers = [{dispersion = {cauchy = {a = 1.6}}, thickness = "100 nm"}]
+substrate = {dispersion = {cauchy = {a = 1.5}}}
+"""
+
+
+def test_a_film_from_its_angles(write):
+    energies = np.linspace(1.5, 3.0, 6)
+    rows = "".join(f"{e},{36 - 3 * e},{95 + 9 * e},65\n" for e in energies)
+    write(f"photon_energy [eV],psi [deg],delta [deg],incidence [deg]\n{rows}", "angles.csv")
+    fit = lf.lab.fit_optics(lf.lab.read_sample(write(SAMPLE, "sample.toml")), starts=1)
     ((name, one), *_) = fit.numbers.items()
     low, high = (f"{1e9 * end:.5g}" for end in one.interval)
     assert f"{name} {1e9 * one.value:.5g} {low} to {high} nm" in words(fit)
 
 
-@pytest.mark.slow
 def test_missions_are_described(disk):
     release = lf.Release("75 km", latitude=45.0, longitude=0.0, time="2026-06-21T12:00Z")
     flown = lf.fly(disk, lf.Earth(), lf.FreeMolecular(), duration="2 h", release=release)

@@ -7,10 +7,9 @@ import xarray as xr
 ASSUMED = "no accuracy of the heights is stated; ± 2 % is assumed"
 
 
-@pytest.mark.slow
-def test_three_maps_to_one_record(examples, lab_prints):
+def test_two_maps_to_one_record(examples, lab_prints):
     folder = examples("roughness")
-    names = ["germanium.ibw", "germanium.gwy", "germanium.txt"]
+    names = ["germanium.ibw", "germanium.gwy"]
     out = lab_prints("roughness", *names, "--out", "o")
     assert "germanium.ibw, HeightRetrace: 256 x 256 pixels, 10 x 10 µm" in out
     found = json.loads((folder / "o" / "roughness.json").read_text(encoding="utf-8"))

@@ -6,8 +6,10 @@ import re
 import shlex
 from decimal import Decimal
 
+import numpy as np
 import pytest
 
+import lightflyer as lf
 from lightflyer.cli.commands.init import templates
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?")
@@ -35,7 +37,6 @@ COMMANDS = [
     "lab thermography thermal.csv --band camera.csv --accuracy '0.5 K' --draws 1000",
     "lab thermography light-meter.csv --light-meter --draws 1000",
     "lab ftir film.csv --reflectance film-reflectance.csv",
-    "lab optics sample.toml --starts 1",
     "lab optics angles.toml --starts 1",
     "calibrate points.csv",
     "film lines.toml",
@@ -135,10 +136,19 @@ def reduced(prints, examples, monkeypatch):
     return numbers
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_columns_in_other_units_change_no_result(reduced, command):
     expected, found = reduced(command, changed=False), reduced(command, changed=True)
     assert found.keys() == expected.keys()
     for place, value in expected.items():
         assert math.isclose(found[place], value, rel_tol=1e-5, abs_tol=1e-9), place
+
+
+@pytest.mark.parametrize("name", ["visible-reflectance.csv", "infrared-transmittance.csv"])
+def test_a_spectrum_in_other_units_is_the_same(examples, name):
+    path = examples("optics") / name
+    expected = lf.lab.read_spectrum(path)
+    path.write_text(in_other_units(path.read_text(encoding="utf-8")), encoding="utf-8")
+    found = lf.lab.read_spectrum(path)
+    np.testing.assert_allclose(found.wavenumber, expected.wavenumber, rtol=1e-9)
+    np.testing.assert_allclose(found.value, expected.value, rtol=1e-9)

@@ -26,8 +26,7 @@ KINDS = (
     "plate",
     "sandwich",
 )
-REPORTED = ("balloon", "chamber", "laden")
-"""Kinds whose report is written too; drawing it takes most of the time."""
+REPORTED = ("chamber",)  # the kinds whose report is written too: drawing takes most of the time
 
 FILM = {"areal_density": "1 g/m^2", "tac_top": 0.75, "tac_bottom": 0.95,
         "absorptance": 0.75, "highest_temperature": "520 K"}  # fmt: skip

@@ -169,23 +169,15 @@ def test_every_row_above_86_km_follows_the_gas_law_and_hydrostatics(upper):
     assert hydrostatics_fail(upper) == []
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("factor", [1 - MISPRINT, 1 + MISPRINT])
-def test_a_misprint_of_any_pressure_is_found(upper, factor):
-    # 105 km has been seen with 1.4521e-2 Pa, 0.3 % too much
+def test_a_misprint_in_any_row_is_found(upper):
+    """Too much and too little in turn; 105 km has been seen with 1.4521e-2 Pa, 0.3 % too much."""
     for row in range(1, upper.altitude.size):
-        pressure = upper.pressure.copy()
-        pressure[row] *= factor
+        sign = (-1.0) ** row
+        pressure, molar_mass = upper.pressure.copy(), upper.molar_mass.copy()
+        pressure[row] *= 1.0 + sign * MISPRINT
         wrong = upper._replace(pressure=pressure)
         assert hydrostatics_fail(wrong) + gas_law_fails(wrong), upper.altitude[row]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_a_misprint_of_any_molar_mass_is_found(upper, sign):
-    for row in range(1, upper.altitude.size):
-        molar_mass = upper.molar_mass.copy()
-        molar_mass[row] += sign * max(MISPRINT * molar_mass[row], 0.03)  # three of its digits
+        molar_mass[row] -= sign * max(MISPRINT * molar_mass[row], 0.03)  # three of its digits
         wrong = upper._replace(molar_mass=molar_mass)
         assert molar_mass_fails(wrong) + gas_law_fails(wrong), upper.altitude[row]
 
@@ -233,11 +225,3 @@ def test_every_hundred_metres_against_ambiance():
     np.testing.assert_allclose(
         atmosphere.mean_free_path(altitudes), mean_free_path, rtol=2 * TOLERANCE
     )
-
-
-def test_kinetic_differs_from_molecular_scale_temperature_above_80_km():
-    # fluids gives the molecular-scale temperature; the ratio of table 8 turns it into kinetic
-    for altitude, ratio in ((83e3, 0.999870), (85e3, 0.999694), (86e3, 0.999579)):
-        molecular_scale = fluids.atmosphere.ATMOSPHERE_1976(altitude).T
-        found = lf.environment.US1976().temperature(altitude)
-        assert found == pytest.approx(molecular_scale * ratio, rel=1e-6)

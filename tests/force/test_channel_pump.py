@@ -1,6 +1,4 @@
-import csv
 import re
-from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
@@ -195,32 +193,6 @@ def test_own_error_of_the_model():
         heat = [float(sum(model.heat_loss(make(), state, faces))) for model in (off, MODEL)]
     assert force == pytest.approx(1.1, rel=1e-12)
     assert heat[0] / heat[1] == pytest.approx(0.95, rel=1e-12)
-
-
-def solved_by_openfoam():
-    """Reynolds number and force over μau of the finest runs of studies/outer_flow."""
-    path = Path(__file__).parents[2] / "studies" / "outer_flow" / "pumped.csv"
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = sorted(csv.DictReader(file), key=lambda row: int(row["cells_around"]))
-    finest = {float(row["reynolds"]): float(row["force_over_mu_a_u"]) for row in rows}
-    return np.array(sorted(finest.items())).T
-
-
-def test_flow_through_a_plate_is_that_of_the_navier_stokes_solutions():
-    """From creeping flow to a jet, whatever the wall resists, and either way."""
-    reynolds, force = solved_by_openfoam()
-    air = {"radius": 0.05, "density": 0.04, "viscosity": 1.45e-5}
-    velocity = reynolds * air["viscosity"] / (air["density"] * air["radius"])
-    pressure = force * air["viscosity"] * velocity / (np.pi * air["radius"])
-    resistance = np.array([[1e-6], [1.0], [100.0]]) * 16.0 * air["viscosity"] / np.pi / 0.05
-    slow = outer_resistance(0.05, 1e9, air["viscosity"], 400.0)
-    with lf.float64():
-        for way in (1.0, -1.0):
-            flow = through_flow(way * (pressure + resistance * velocity), resistance, slow, **air)
-            np.testing.assert_allclose(
-                flow.difference, way * pressure + 0.0 * resistance, rtol=0.03
-            )
-            np.testing.assert_allclose(flow.velocity, way * velocity + 0.0 * resistance, rtol=0.02)
 
 
 # -- the whole flyer ------------------------------------------------------------------------------

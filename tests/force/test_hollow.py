@@ -440,18 +440,6 @@ def test_energy_closes(in_balance):
     np.testing.assert_allclose(lost, found.absorbed_power, rtol=1e-10)
 
 
-def test_what_the_wall_pumps_leaves_at_the_outlet(in_balance):
-    """Mass and momentum: the channels' law and Bernoulli's with Sampson's, of one pressure."""
-    state, found = in_balance
-    body = make()
-    with lf.float64():
-        flow = pump_flow(body, state, found.unknowns, Corrections())
-        surface, outlet = float(body.surface), float(body.outlet_area)
-        came = state.gas.density(state.pressure, 230.0) * flow.wall_velocity * surface
-        left = flow.jet_density * flow.jet_velocity * outlet
-    np.testing.assert_allclose(came, left, rtol=1e-13)
-
-
 def test_a_dark_outside_pumps_outward():
     """Gas comes in at the outlet then: it pushes down, and leaves no jet."""
     body = make()
@@ -504,7 +492,7 @@ def answers(x, unknowns=(0.5, 0.2)):
 @pytest.mark.slow
 @pytest.mark.parametrize("function", [outcome, answers])
 def test_derivatives_jit_and_vmap(require_derivatives, function):
-    require_derivatives(function, POINT, rtol=1e-5, atol=1e-7, reverse=function is outcome)
+    require_derivatives(function, POINT, rtol=1e-5, atol=1e-7)
 
 
 def test_what_is_outside_the_models_range():

@@ -9,7 +9,6 @@ from kinetic_fits.surfaces import fit_chamber
 
 import lightflyer as lf
 from lightflyer.array.namespace import float64
-from lightflyer.cli.commands.init import templates
 from lightflyer.core.errors import ParameterError
 from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic.chamber import (
@@ -104,13 +103,6 @@ def test_a_floor_lifts_a_disk_of_like_faces_whichever_is_on_top():
     assert lifts[1] == pytest.approx(lifts[0], rel=1e-12)
 
 
-def test_a_floor_lifts_faces_that_are_alike():
-    plain, state = disk(0.85, 0.85), state_at(0.1, floor=2.25, lid=10.0, wall=10.0)
-    alone = lf.Kinetic().force(plain, state, (0.5,))
-    by_tac = lf.Kinetic().force(disk(), state_at(0.1), (0.5,))
-    assert 0.5 * by_tac < alone < 2.0 * by_tac
-
-
 def test_a_disk_as_cold_as_the_gas_is_not_pushed():
     state = state_at(0.1, floor=2.0, wall=4.0, lid=4.0)
     assert float(lf.Kinetic().force(disk(), state, (0.0,))) == 0.0
@@ -141,18 +133,6 @@ def test_a_model_that_knows_no_floor_says_so(model):
     chamber = lf.Chamber(floor=0.045)
     found = lf.predict(disk(), chamber, model, at=[5.0])
     assert any("floor and lid have no effect" in text for text in found.warnings)
-
-
-def test_in_a_flyer_file(flyer_file):
-    """A floor at 2 cm saves light."""
-    text = templates()["chamber"].read().replace('model = "lu2023"', 'model = "kinetic"', 1)
-    given = '\nfloor = "2 cm"\nlid = "10 cm"\n'
-    files = (text, text.replace("\ntemperature", f"{given}temperature", 1))
-    light = []
-    for content in files:
-        path = flyer_file(text=content)
-        light.append(lf.predict(path, at=[3.0]).at["levitation_irradiance"][0])
-    assert light[1] < 0.9 * light[0]
 
 
 # computed by others than the package's solver: open space, equal absorbed power, TACs 0.8 and 0.9
@@ -202,16 +182,6 @@ def test_ground_below_in_open_air(place):
     ]
     assert 0.1 * light[0] < light[1] < 0.5 * light[0]  # a floor two radii away
     assert any(text.startswith("solid floor 2 cm below") for text in place.assumptions())
-
-
-def test_ground_below_in_a_flyer_file(flyer_file):
-    text = templates()["earth"].read()
-    given = text.replace("[environment]\n", '[environment]\nfloor = "1 cm"\n', 1)
-    assert given != text
-    found = lf.predict(flyer_file(text=given), at=[75e3])
-    assert any("solid floor 1 cm below" in told for told in found.setup.environment.assumptions())
-    plain = lf.predict(flyer_file(text=text), at=[75e3])
-    assert found.at["lift"][0] > 1.1 * plain.at["lift"][0]
 
 
 # solved, non-linear (lightflyer.kinetic_theory.solve_in_chamber): nitrogen, floor, lid = side wall,

@@ -1,6 +1,5 @@
 """The kinetic force model of a sandwich: limits, the solver, the disk, and the calculus."""
 
-import jax
 import numpy as np
 import pytest
 from kinetic_fits import sandwich
@@ -66,8 +65,7 @@ def test_limit_of_free_molecules_is_exact(beta):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("delta", "beta", "tac", "face"),
-    [(0.8, 0.5, (0.7, 0.9), 0), (0.8, 0.5, (0.7, 0.9), 1), (5.0, 0.3, (0.85, 0.75), 1),
-     (15.0, 0.85, (0.9, 0.9), 1)],
+    [(0.8, 0.5, (0.7, 0.9), 0), (0.8, 0.5, (0.7, 0.9), 1), (5.0, 0.3, (0.85, 0.75), 1)],
 )  # fmt: skip
 def test_the_solver_between_the_tables_points(delta, beta, tac, face):
     """One face hot, by the linear equation: the force to 1 %, the heat to 0.5 %."""
@@ -176,23 +174,6 @@ def test_fit_predicts_rows_it_was_not_shown():
     assert np.asarray(found.heat) == pytest.approx(table.heat_ratio[kept], rel=5e-3)
 
 
-def test_holes_only_lessen_the_accommodated_share_where_both_faces_are_as_warm():
-    """Passing is reflection where both sides are alike: only s·α counts.
-
-    The table's faces differ by 0.1 in TAC, of which the heat feels the square.
-    """
-    table = table_of("kinetic_sandwich", "diatomic")
-    at = (table.rarefaction == 4.0).nonzero()[0]
-    by_share = {}
-    for row in at:
-        share = round((1.0 - table.open_fraction[row]) * table.tac[row], 6)
-        by_share.setdefault(share, []).append(table.heat_ratio[row])
-    pairs = [values for values in by_share.values() if len(values) > 1]
-    assert len(pairs) >= 2
-    for values in pairs:
-        assert max(values) / min(values) == pytest.approx(1.0, rel=1.5e-3)
-
-
 @pytest.mark.slow
 def test_walls_press_the_more_the_nearer():
     """A chamber raises the force; far walls change nothing."""
@@ -252,20 +233,11 @@ def test_what_is_outside_the_models_range():
     )
 
 
-def test_derivatives_and_batches(compiled):
+def test_derivatives_jit_and_vmap(require_derivatives):
     state = state_at(pressure_of(3.0))
 
-    def payload(beta, tac):
-        flyer = tree.replace_at(
-            lambda f: (f.open_fraction, f.bottom.tac_bottom), make(), (beta, tac)
-        )
-        return 1e6 * lf.payload(flyer, state, ALIGNED)
+    def payload(numbers):
+        flyer = tree.replace_at(lambda f: (f.open_fraction, f.bottom.tac_bottom), make(), numbers)
+        return 1e6 * lf.payload(flyer, state, ALIGNED)[None]
 
-    step = 1e-5
-    with lf.float64():
-        each = compiled(jax.vmap(jax.value_and_grad(payload, (0, 1)), (0, None)))
-        many, slopes = each(np.array([0.2, 0.4, 0.6]), 0.8)
-    np.testing.assert_allclose(many[1], payload(0.4, 0.8), rtol=1e-9)
-    for slope, (beta, tac) in zip(slopes, ((step, 0.0), (0.0, step)), strict=True):
-        rise = payload(0.4 + beta, 0.8 + tac) - payload(0.4 - beta, 0.8 - tac)
-        assert slope[1] == pytest.approx(rise / (2.0 * step), rel=1e-5)
+    require_derivatives(payload, np.array([0.4, 0.8]), rtol=1e-5, atol=1e-9)

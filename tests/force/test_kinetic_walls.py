@@ -118,12 +118,6 @@ def test_unknown_walls_reach_from_one_to_the_other(disk, knudsen):
     assert itself == pytest.approx([top, top], rel=1e-12)
 
 
-def test_walls_are_one_where_differences_are_small_and_gas_is_thin(disk):
-    thin, small = state_at(100.0), 1e-6
-    forces = [lf.Kinetic(wall=w).force(disk, thin, (small,)) for w in ("maxwell", "accommodated")]
-    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
-
-
 @pytest.fixture
 def study(study_of):
     with study_of("kinetic_walls", "study") as module:
@@ -212,16 +206,6 @@ def test_the_table_is_made_of_all_points(study, tmp_path, monkeypatch):
     assert set(planned) == set(found)
     study.write_table(found)
     assert study.TABLE.read_text("utf-8") == shipped
-
-
-@pytest.mark.slow
-def test_a_solved_point_is_that_of_the_study(study):
-    (points,) = (g for g in study.linear_points() if (g[0].knudsen, g[0].mesh) == (10.0, "coarse"))
-    group = [p for p in points if p.gas == "monatomic" and p.tac == 0.8]
-    solved, kept = study.linear(group), study.read_kept()
-    for point in group:
-        for name, value in kept[point].items():
-            assert solved[point][name] == pytest.approx(value, rel=1e-6)
 
 
 def test_what_is_assumed_and_where_it_ends_is_said(disk):

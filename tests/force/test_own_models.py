@@ -82,17 +82,6 @@ def test_conditions_and_floats(disk):
     assert lifts(disk, own(share), thin) == pytest.approx(0.5 * plain(disk, thin), rel=1e-12)
 
 
-def test_a_file_of_numbers(disk, tmp_path):
-    np.savetxt(tmp_path / "table.csv", [[0.0, 2.0], [5.0, 3.0]], delimiter=",")
-    rows = np.loadtxt(tmp_path / "table.csv", delimiter=",")
-
-    def share(self, excess, state):
-        place = np.searchsorted(rows[:, 0], excess) - 1
-        return rows[place, 1]
-
-    assert lifts(disk, own(share)) == pytest.approx(2.0 * plain(disk), rel=1e-12)
-
-
 def test_a_changed_constant_counts(disk):
     module = types.ModuleType("notebook")
     module.FACTOR = 1.0

@@ -361,16 +361,6 @@ def test_derivatives_jit_and_vmap(require_derivatives):
     require_derivatives(outcomes, POINT, 2e-6, 2e-8)
 
 
-def test_levitation_and_its_derivatives(require_derivatives):
-    flyer, state = build(POINT)
-    found = lf.levitate(flyer, state, MODEL)
-    lit = tree.replace_at(lambda state: state.radiation.irradiance, state, found.irradiance)
-    assert lf.lift(flyer, lit, MODEL) == pytest.approx(lf.statics.weight(flyer, lit), rel=1e-9)
-    require_derivatives(
-        lambda x: lf.levitate(*build(x), MODEL).irradiance[None], POINT, rtol=2e-6, atol=1e-4
-    )
-
-
 def random_film(draw, size):
     absorptance, above, below = draw.uniform(0.02, 0.5, (3, size))
     passed = draw.uniform(0.0, 1.0, (2, size)) * (1.0 - np.array([absorptance, above + below]))
@@ -426,21 +416,6 @@ def test_levitation_in_the_dark():
     assert found.levitates
     assert found.irradiance == 0.0
     assert found.temperature == pytest.approx(lf.equilibrium(flyer, state, MODEL).temperature)
-
-
-def test_bands_over_earth():
-    flyer = make()
-    band = lf.levitation_band(flyer, lf.Earth(), MODEL)
-    assert band.exists
-    assert band.converged
-    for edge, inside in ((band.lower, 100.0), (band.upper, -100.0)):
-        margins = [
-            lf.lift(flyer, lf.Earth().state(edge + step), MODEL)
-            / lf.statics.weight(flyer, lf.Earth().state(edge + step))
-            for step in (0.0, inside, -inside)
-        ]
-        assert margins[0] == pytest.approx(1.0, rel=1e-8)
-        assert margins[1] > 1.0 > margins[2]
 
 
 def test_what_is_outside_the_models_range():

@@ -88,11 +88,3 @@ def test_free_molecular_heat_is_the_energy_that_molecules_carry(disk):
     mass_flux = pressure / np.sqrt(2.0 * np.pi * CO2.specific_gas_constant * cold)
     energy = CO2.specific_gas_constant * (2.0 * (hot - cold) + internal)
     assert found == pytest.approx(0.85 * 2.0 * disk.area * mass_flux * energy, rel=3.5e-3)
-
-
-def test_models_that_do_not_hold_for_carbon_dioxide_refuse_it_by_name(disk):
-    state = lf.Chamber(temperature=200.0, gas=CO2).state(1.0)
-
-    with pytest.raises(lf.ParameterError, match="Kinetic is not for co2, whose molecules are poly"):
-        lf.lift(disk, state, lf.Kinetic())
-    assert lf.lift(disk, state, lf.Lu2023()) > 0.0

@@ -85,14 +85,6 @@ def test_faces_have_their_own_emittance_surroundings_and_albedo():
     assert found == pytest.approx(((light + heat) / (5.67e-8 * 0.45)) ** 0.25, rel=1e-9)
 
 
-def test_absorbed_light_goes_with_the_cosine(disk):
-    straight = lf.equilibrium(disk, state(3.0, irradiance=500.0), lf.Lu2023())
-    slanted = lf.equilibrium(
-        disk, state(3.0, irradiance=1000.0, zenith_angle=np.pi / 3), lf.Lu2023()
-    )
-    assert slanted.temperature == pytest.approx(straight.temperature, rel=1e-12)
-
-
 def test_arrays_of_any_shape_broadcast(film):
     disk = lf.Disk(film, radius=np.array([0.005, 0.01, 0.02]))
     grid = lf.equilibrium(disk, state(np.geomspace(0.1, 10, 4)[:, None]), lf.Lu2023())

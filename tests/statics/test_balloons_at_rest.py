@@ -23,7 +23,7 @@ def setup(tmp_path):
     return of
 
 
-@pytest.mark.parametrize("diameter", [5.8, 30, 60, 100, 300, 1000])
+@pytest.mark.parametrize("diameter", [5.8, 100, 1000])
 def test_balloons_of_any_size_levitate_as_the_gas_law_says(setup, diameter):
     """Where the lift is a thousandth of the air that the balloon displaces, too."""
     made = setup(diameter)

@@ -152,9 +152,6 @@ def test_derivatives_are_those_of_differences(compiled):
         lift, light = lf.lift(flyer, state, Push(4.0)), lf.levitate(flyer, state, Push(4.0))
         return lf.xp.log(lf.xp.stack([lift, light.irradiance]))
 
-    def forward(y):  # each element moves in an input of its own
-        return jax.jvp(outcomes, (jnp.repeat(y[:, None], 5, 1),), (jnp.eye(5),))
-
     def backward(y):
         found, pull = jax.vjp(outcomes, y)
         return found, jnp.stack([pull(row)[0] for row in jnp.eye(2)])
@@ -163,12 +160,9 @@ def test_derivatives_are_those_of_differences(compiled):
     ends = [outcomes(start[:, None] + change) for change in (step * np.eye(5), -step * np.eye(5))]
     batch = np.stack([start, start + 0.1])
     with lf.float64():
-        values, slopes = compiled(forward)(start)
-        mapped, reverse = compiled(jax.vmap(backward))(batch)
-    np.testing.assert_allclose(slopes, (ends[0] - ends[1]) / (2 * step), rtol=2e-6, atol=1e-8)
-    np.testing.assert_allclose(reverse[0], slopes, rtol=1e-8, atol=1e-11)
-    np.testing.assert_allclose(mapped, [outcomes(row) for row in batch], rtol=1e-10)
-    np.testing.assert_allclose(values[:, 0], mapped[0], rtol=1e-10)
+        values, slopes = compiled(jax.vmap(backward))(batch)
+    np.testing.assert_allclose(slopes[0], (ends[0] - ends[1]) / (2 * step), rtol=2e-6, atol=1e-8)
+    np.testing.assert_allclose(values, [outcomes(row) for row in batch], rtol=1e-10)
 
 
 def test_a_model_says_whom_it_is_for(film, disk):

@@ -81,14 +81,10 @@ def test_the_same_data_twice_are_refused(name, file, run, refuses, tmp_path, mon
         ("tac tac-reduced.txt --diameter -3mm", '--diameter: "-3mm" is not positive'),
         ("tac tac-reduced.txt --diameter 24±30mm", "is not known by its ±"),
         ("tac tac-reduced.txt --ambient -300°C", "is below absolute zero"),
-        ("tac tac-reduced.txt --ambient 1e6K", "--ambient = 1e+06 must be at most"),
         ("tac tac-reduced.txt --tolerance -1°C", '--tolerance: "-1°C" is negative'),
-        ("tac tac-reduced.txt --gauge-accuracy -5%", "--gauge-accuracy"),
         ("tac tac-reduced.txt --diameter 24", 'write "24 mm"'),
-        ("tac tac-reduced.txt --ambient 22", 'write "22 °C"'),
         ("tac tac-reduced.txt --wall 12mm", "is inside the heater"),
         ("levitation flyer.toml", "flyer.toml: is a TOML file"),
-        ("levitation flyer.toml --draws 1.5", '"1.5" is not a whole number'),
     ],
 )
 def test_what_labs_write_gets_an_answer_that_helps(

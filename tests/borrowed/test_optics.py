@@ -2,6 +2,7 @@
 
 Tests of `film` have the cases of https://github.com/MLResearchAtOSRAM/tmm_fast/issues/11,
 https://github.com/kc-ml2/meent/pull/98, https://github.com/bahremsd/tmmax/issues/19,
+https://github.com/bahremsd/tmmax/issues/45,
 https://github.com/kitchenknif/PyTMM/issues/1 and https://github.com/franko/regress-pro/issues/5,
 `lab/test_ellipsometry.py` that of https://github.com/edmundsj/rcwa/issues/20.
 """
@@ -58,23 +59,6 @@ def test_a_thick_slab_absorbs(tmp_path, angle, r, t):
     found = optics(tmp_path, body, 1e-6, np.radians(angle))
     assert found.r.mean() == pytest.approx(r, abs=2e-5)
     assert found.t.mean() == pytest.approx(t, abs=2e-5)
-
-
-def test_a_mirror_of_quarter_waves(tmp_path):
-    """https://github.com/bahremsd/tmmax/issues/45
-
-    N pairs of quarter waves reflect ((1 - s)/(1 + s))², s = (n_H/n_L)^(2N), between vacua.
-    """
-    wavelength, high, low, pairs = 0.8e-6, 1.9, 1.45, 4
-    parts = {"h": high, "l": low}
-    layers = ", ".join(
-        f"{{{table(tmp_path, name, parts[name] + 0j)}, thickness = "
-        f'"{1e9 * wavelength / 4 / parts[name]:.9f} nm"}}'
-        for name in "hl" * pairs
-    )
-    found = optics(tmp_path, f"layers = [{layers}]", wavelength)
-    s = (high / low) ** (2 * pairs)
-    assert found.r[0] == pytest.approx(((1.0 - s) / (1.0 + s)) ** 2, rel=1e-7)
 
 
 @pytest.mark.parametrize(

@@ -109,13 +109,8 @@ def test_impossible_budgets():
 
 
 @pytest.fixture
-def read(tmp_path):
-    def read(text):
-        path = tmp_path / "flyer.toml"
-        path.write_text(text, encoding="utf-8")
-        return lf.read_flyer_file(path)
-
-    return read
+def read(write):
+    return lambda text: lf.read_flyer_file(write(text, "flyer.toml"))
 
 
 def test_what_a_file_says_stands_beside_what_the_flyer_carries(read):

@@ -6,7 +6,6 @@ import re
 import pytest
 
 import lightflyer as lf
-from lightflyer.calibration.points import read_points
 from lightflyer.cli.commands.init import templates
 from lightflyer.config.reader import read_flyer_file
 from lightflyer.environment.radiation import EARTH_ALBEDO, EARTH_INFRARED
@@ -146,11 +145,3 @@ def test_studies_can_be_read_beside_the_flyer_file(kind, read, tmp_path, write):
         path.write_text(text.replace(match[0], match[0].replace("# ", "", 1).replace("\n# ", "\n")),
                         encoding="utf-8")  # fmt: skip
         pkgutil.resolve_name(read)(path)
-
-
-def test_points_calibrate_and_name_themselves_synthetic(write):
-    text = templates()["points"].read()
-    assert "Synthetic" in text
-    path = write(text, "points.csv")
-    points = read_points(path, strict=True)
-    assert set(points.samples) == {"Ge 2 cm", "Ge 3 cm"}

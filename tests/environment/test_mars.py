@@ -265,13 +265,8 @@ kind = "mars"
 
 
 @pytest.fixture
-def read(tmp_path):
-    def read(lines):
-        path = tmp_path / "flyer.toml"
-        path.write_text(SECTION + lines, encoding="utf-8")
-        return lf.read_flyer_file(path)
-
-    return read
+def read(write):
+    return lambda lines: lf.read_flyer_file(write(SECTION + lines, "flyer.toml"))
 
 
 def test_light_of_a_file_by_season_and_hour(read):

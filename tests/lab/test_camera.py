@@ -28,11 +28,6 @@ def test_radiance_by_another_quadrature(ends, temperature):
     assert found.slope(temperature) == pytest.approx(slope / (2.0 * step), rel=1e-6)
 
 
-def test_all_wavelengths_are_stefan_and_boltzmann():
-    found = flat_band(0.7e-6, 1e-3).radiance(300.0)
-    assert found == pytest.approx(constants.sigma * 300.0**4 / np.pi, rel=1e-4)
-
-
 def test_many_temperatures_are_as_exact_as_few(rng):
     band = flat_band(7.5e-6, 14e-6)
     many = rng.uniform(200.0, 2300.0, (4, 1000))

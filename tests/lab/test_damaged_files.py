@@ -1,6 +1,5 @@
 """A sample of the damaged files of ``studies/damaged_files``, reduced by every command."""
 
-import numpy as np
 import pytest
 
 from lightflyer.core.quantity import Pressure
@@ -55,13 +54,3 @@ def test_a_number_that_is_no_measurement_is_rejected(tmp_path, cell):
     assert table.numbers["pressure"].tolist() == [1.0, 2.0]
     assert [row.line for row in table.rejected] == [3]
     assert cell in table.rejected[0].reason
-
-
-def test_damage_repeats(check):
-    import damage
-
-    case = check.cases()[0]
-    content = next(iter(case.files.values()))
-    one, two = (damage.damaged(content, np.random.default_rng(3)) for _ in range(2))
-    assert one == two
-    assert one[0] != content

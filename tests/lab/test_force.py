@@ -121,7 +121,7 @@ def test_the_interval_of_the_ratio_is_as_wide_as_one_is_off():
     assert np.sqrt(np.mean(np.square(errors))) < 0.75
 
 
-def test_what_looks_wrong_is_said(tmp_path):
+def test_what_looks_wrong_is_said(write):
     force = vane().force(PRESSURES)
     found = lf.lab.compare_forces(vane(), table(1e3 * force))
     assert any("1e+03 times those predicted: check their unit" in text for text in found.warnings)
@@ -130,8 +130,7 @@ def test_what_looks_wrong_is_said(tmp_path):
     (dense,) = lf.lab.compare_forces(vane(), known).warnings
     assert "what heat does to force or heat loss outside its table" in dense
     assert not lf.lab.compare_forces(vane(), known, pressures=(0.1, 0.9)).warnings
-    path = tmp_path / "vane.csv"
-    path.write_text("pressure [Pa], force [uN]\n1, 20\n2, -20\n", encoding="utf-8")
+    path = write("pressure [Pa], force [uN]\n1, 20\n2, -20\n", "vane.csv")
     with pytest.raises(lf.ConfigurationError, match=r"vane.csv:3: force = -20 uN is not pos"):
         lf.lab.read_forces(path)
     text = lf.lab.Vane("12 cm", "419 ± 2 K", 394.0, tac_hot="0.9", tac_cold=0.9, ambient=300.0)

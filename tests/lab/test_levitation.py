@@ -317,12 +317,11 @@ def test_too_few_points(count, says):
         levitation_curve(points)
 
 
-def test_files_and_ground_effect(tmp_path):
-    path = tmp_path / "points.csv"
-    path.write_text(
+def test_files_and_ground_effect(write):
+    path = write(
         "Sample;Launchpad;Diameter (mm);Floor gap (mm);p / mTorr;I / kW/m2\n"
         "Ge;plate;20;5;30;1,5\nGe;mesh;20;60;30;1,6\nGe;mesh;20;60;31;1,6\n",
-        encoding="utf-8",
+        "points.csv",
     )
     samples, table = read_lift_offs(path)
     assert [one.name for one in samples] == ["Ge on plate", "Ge on mesh"]
@@ -403,10 +402,9 @@ def test_a_minimum_in_a_gap_is_in_doubt(rng):
 
 
 @pytest.mark.parametrize("other", ["GE 2 cm", "Ge\u00a02 cm", "Ge  2 cm", "ge 2\u202fcm"])
-def test_names_that_differ_in_case_or_blanks_are_one_sample(tmp_path, other):
+def test_names_that_differ_in_case_or_blanks_are_one_sample(write, other):
     rows = [f"{'Ge 2 cm' if i % 2 else other},{1.5 * 1.3**i:.4f},{900 + i}" for i in range(12)]
-    path = tmp_path / "points.csv"
-    path.write_text("\n".join(["sample,pressure [Pa],irradiance [W/m^2]", *rows]), encoding="utf-8")
+    path = write("\n".join(["sample,pressure [Pa],irradiance [W/m^2]", *rows]), "points.csv")
     (one,), table = read_lift_offs(path)
     assert len(one.pressure) == 12
     if " ".join(other.split()) != "Ge 2 cm":
@@ -426,14 +424,13 @@ def test_points_that_stand_in_the_file_twice(rng):
     assert isinstance(said[0], Doubt)
 
 
-def test_points_at_the_gauges_end_are_left_out(rng, tmp_path):
+def test_points_at_the_gauges_end_are_left_out(rng, write):
     """A gauge that shows no more than 20 Pa, while the sample needs more and more light."""
     points = across_a_gap(rng, (2.0, 2.0), count=40)
     shown = np.minimum(points.pressure, 20.0)
     assert np.sum(shown == 20.0) >= 3
     rows = "".join(f"{p:.6g},{i:.6g}\n" for p, i in zip(shown, points.irradiance, strict=True))
-    file = tmp_path / "points.csv"
-    file.write_text("pressure [Pa],irradiance [W/m^2]\n" + rows, encoding="utf-8")
+    file = write("pressure [Pa],irradiance [W/m^2]\n" + rows, "points.csv")
     (one,), _ = read_lift_offs(file)
     assert one.pressure.max() < 20.0
     assert "the gauge is at the end of its range, 20 Pa" in one.notes[0]

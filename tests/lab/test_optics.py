@@ -236,14 +236,13 @@ def test_flyer_file_has_the_numbers_with_their_correlation(command):
     assert spread[1] == pytest.approx(np.sqrt(slopes @ covariance @ slopes), rel=0.01)
 
 
-def test_update_refuses_other_layers(command, tmp_path):
+def test_update_refuses_other_layers(command, write):
     from lightflyer.lab.optics.record import require_same_layers
 
-    flyer = tmp_path / "flyer.toml"
-    flyer.write_text(
+    flyer = write(
         '[flyer]\ndiameter = "2 cm"\n[film]\nlayers = [{material = "PET", thickness = "1 um"}]\n'
         "tac_top = 0.9\ntac_bottom = 0.8\n",
-        encoding="utf-8",
+        "flyer.toml",
     )
     with pytest.raises(lf.ConfigurationError, match=r"film\.layers\.0 is of PET, that of"):
         require_same_layers(flyer, read_sample(command / "sample.toml"))

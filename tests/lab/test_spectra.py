@@ -475,9 +475,8 @@ def test_tables(text, columns, write):
     np.testing.assert_allclose(found.value, [0.8, 0.9])
 
 
-def test_table_in_per_cent_without_the_mark(tmp_path):
-    path = tmp_path / "s.csv"
-    path.write_text("wavelength [nm],transmittance\n500,80\n1000,70\n")
+def test_table_in_per_cent_without_the_mark(write):
+    path = write("wavelength [nm],transmittance\n500,80\n1000,70\n", "s.csv")
     found = read_spectrum(path)
     np.testing.assert_allclose(found.value, [0.7, 0.8])
     np.testing.assert_allclose(found.wavelength, [1e-6, 5e-7])
@@ -500,9 +499,8 @@ def test_table_in_per_cent_without_the_mark(tmp_path):
     np.testing.assert_allclose(read_spectrum(path, quantity="reflectance").value, [0.2, 0.1])
 
 
-def test_table_over_photon_energy(tmp_path):
-    path = tmp_path / "s.csv"
-    path.write_text("eV,%T\n1,80\n2,70\n")
+def test_table_over_photon_energy(write):
+    path = write("eV,%T\n1,80\n2,70\n", "s.csv")
     np.testing.assert_allclose(read_spectrum(path).wavelength, [1.239841984e-6, 0.619920992e-6])
     with pytest.raises(lf.ConfigurationError, match='is a table of one spectrum, not of "2"'):
         read_spectrum(path, spectrum="2")

@@ -143,9 +143,8 @@ def lines(delimiter, comma, *above, matrix=MATRIX):
         ), "°C", None),
     ],
 )  # fmt: skip
-def test_matrices_as_cameras_export_them(tmp_path, text, unit, emissivity):
-    path = tmp_path / "a.csv"
-    path.write_text(text, encoding="utf-8")
+def test_matrices_as_cameras_export_them(write, text, unit, emissivity):
+    path = write(text, "a.csv")
     found = read_thermal_image(path, scale=None if unit is None else parse_scale(unit))
     np.testing.assert_allclose(found.temperature - CELSIUS, MATRIX, atol=0.051)
     assert found.emissivity == emissivity

@@ -218,9 +218,8 @@ def test_a_light_meters_linearity_does_not_average_out():
     assert louder.uncertainty == pytest.approx(found.uncertainty)
 
 
-def test_light_meter_by_the_same_code(tmp_path):
-    path = tmp_path / "meter.csv"
-    path.write_text("incident,reflected,transmitted,dark\n1010,160,110,10\n", encoding="utf-8")
+def test_light_meter_by_the_same_code(write):
+    path = write("incident,reflected,transmitted,dark\n1010,160,110,10\n", "meter.csv")
     readings, _ = read_readings(path, LIGHT)
     found = reduce_readings(readings).summary()
     assert found["warnings"] == [
@@ -309,9 +308,8 @@ def test_a_region_that_is_not_uniform(rng):
     assert found["hotplate_temperature"].uncertainty == pytest.approx(6.4, rel=0.01)
 
 
-def test_units_of_a_light_meter_are_of_one_kind(tmp_path):
-    path = tmp_path / "meter.csv"
-    path.write_text("incident [W],reflected [mW],transmitted [V]\n1.7,271,1\n", encoding="utf-8")
+def test_units_of_a_light_meter_are_of_one_kind(write):
+    path = write("incident [W],reflected [mW],transmitted [V]\n1.7,271,1\n", "meter.csv")
     with pytest.raises(lf.ConfigurationError, match="units of one kind"):
         read_readings(path, LIGHT)
 

@@ -152,12 +152,11 @@ def test_no_measured_figure_without_the_users_points(folder):
     assert "your data" not in (folder / "figures" / "figure-5bcd.svg").read_text(encoding="utf-8")
 
 
-def test_twice_gives_the_same_data(folder, tmp_path):
-    points = tmp_path / "points.csv"
-    points.write_text(
+def test_twice_gives_the_same_data(folder, tmp_path, write):
+    points = write(
         "sample,pressure [mTorr],irradiance [W/m^2],diameter [cm],figure\n"
         "synthetic A,30,1500,2,2\nsynthetic B,20,2000,3,S2\n",
-        encoding="utf-8",
+        "points.csv",
     )
     steps = []
     with report_to(steps.append):

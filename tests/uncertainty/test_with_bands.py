@@ -32,10 +32,8 @@ model = "lu2023"
 
 
 @pytest.fixture
-def path(tmp_path):
-    file = tmp_path / "flyer.toml"
-    file.write_text(TEXT, encoding="utf-8")
-    return file
+def path(write):
+    return write(TEXT, "flyer.toml")
 
 
 def test_print_shows_what_the_command_prints(path, capsys):

@@ -1,6 +1,5 @@
 """A wall with channels as a pump, beside published numbers and limits."""
 
-import jax
 import numpy as np
 import pytest
 
@@ -214,20 +213,13 @@ def test_straight_paths():
         np.testing.assert_allclose(direct_share(ROUND, length), disc, rtol=1e-9)
 
 
-@pytest.mark.slow
-@BOTH
-def test_derivatives_and_broadcasting(shape):
-    def flux(x):
-        delta, length, phi, warm = x
+def test_derivatives_and_broadcasting(require_derivatives):
+    def flux(shape, delta, length, phi, warm):
         g = channel_conductance(shape, delta, length, phi)
         exponent = thermomolecular_exponent(shape, delta, length)
         return pumped_flux(phi, g, 400.0, thermomolecular_pressure(exponent, 10.0, warm, 0.0))
 
-    point = np.array([0.8, 1.7, 0.4, 0.2])
-    slope = np.asarray(jax.jit(jax.grad(flux))(point))
-    for index, step in enumerate(1e-5 * np.eye(4)):
-        difference = (flux(point + step) - flux(point - step)) / 2e-5
-        assert slope[index] == pytest.approx(float(difference), rel=1e-6)
-    many = point * np.linspace(0.5, 1.5, 5)[:, None]
-    np.testing.assert_allclose(flux(many.T), [flux(one) for one in many], rtol=1e-13)
-    np.testing.assert_allclose(jax.vmap(flux)(many), flux(many.T), rtol=1e-13)
+    def both(x):
+        return lf.xp.stack([flux(shape, *x) for shape in (SLOT, ROUND)])
+
+    require_derivatives(both, np.array([0.8, 1.7, 0.4, 0.2]), rtol=1e-6, atol=1e-12)

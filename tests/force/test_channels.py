@@ -104,7 +104,7 @@ def tube_by_clausing(length):
         lambda d: 0.5 * ((d**2 + 2.0) / np.sqrt(d**2 + 4.0) - d),
         lambda z: 0.5 * (z * np.sqrt(z**2 + 4.0) - z**2),
         length,
-        nodes=500,  # the kernel has a kink
+        nodes=200,  # the kernel has a kink
     )
 
 

@@ -16,7 +16,6 @@ from lightflyer.drag.disk import _EDGEWISE_SHARE, EDGEWISE, dense_share, edgewis
 from lightflyer.drag.similarity import (
     disk_inertia,
     edgewise_inertia,
-    molecular_speed,
     sphere_inertia,
     viscosity_growth,
 )
@@ -216,10 +215,6 @@ def test_out_of_range_is_said():
     assert "warmth" in said(0.1, 500.0, body_temperature=500.0, direction="edgewise")
     assert said(1.0, 0.1, body_temperature=500.0) == ""
     assert "mean TAC" in said(1.0, 5.0, tac=(0.1, 0.1))
-
-
-def test_speed_of_molecules():
-    assert molecular_speed(TEMPERATURE, AIR) == pytest.approx(SPEED, rel=1e-5)
 
 
 def test_edgewise_inertia_is_none_in_slow_flow_and_grows():

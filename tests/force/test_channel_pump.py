@@ -345,7 +345,6 @@ def outcomes(x):
     return jnp.log(jnp.stack([force, *balance.temperatures, velocity]))
 
 
-@pytest.mark.slow
 def test_derivatives_jit_and_vmap(require_derivatives):
     require_derivatives(outcomes, POINT, rtol=5e-6, atol=1e-7)
 

@@ -239,7 +239,6 @@ def test_walls_do_nothing_to_free_molecules():
     assert forces[0] > 0.0
 
 
-@pytest.mark.slow
 def test_the_page_of_experiments_has_what_a_floor_adds():
     """The largest lift over that far from any floor."""
     page = (Path(__file__).parents[2] / "docs" / "experiments.md").read_text(encoding="utf-8")

@@ -49,7 +49,7 @@ def maxwell_limits(disk, state, excess):
 
 
 def misfits(fit, table):
-    """Relative deviations of the fit from a table, with the table's own relative bounds."""
+    """Relative deviations of the fit's force and heat from a table."""
     where = (
         table.knudsen,
         table.temperature_ratio,
@@ -59,17 +59,14 @@ def misfits(fit, table):
     )
     with lf.float64():
         force, heat = np.asarray(fit.force_ratio(*where)), np.asarray(fit.heat_ratio(*where))
-    return (
-        (abs(force / table.force_ratio - 1.0), table.force_ratio_error / table.force_ratio),
-        (abs(heat / table.heat_ratio - 1.0), table.heat_ratio_error / table.heat_ratio),
-    )
+    return abs(force / table.force_ratio - 1.0), abs(heat / table.heat_ratio - 1.0)
 
 
 @pytest.mark.parametrize("gas", GASES)
 def test_fit_follows_the_table(gas):
     """At every temperature ratio, TAC, difference of TACs and viscosity exponent."""
     table = table_of("kinetic", gas)
-    (force, _), (heat, _) = misfits(kinetic_fit(gas), table)
+    force, heat = misfits(kinetic_fit(gas), table)
     dense = table.knudsen < 0.1
     assert np.all(force < np.where(dense, 1e-2, 5e-3))
     assert np.all(heat < np.where(table.tac_difference > 0.1, 5e-3, 3e-3))
@@ -84,7 +81,7 @@ def test_fit_predicts_what_it_was_not_shown(hidden):
     stated = float_of(lambda: jax.numpy.stack(kinetic_fit().table_errors(hidden)))
     unlike = table.tac_difference > 0.1  # of which there are fewer rows
     pairs = zip(misfits(fit, table), stated, (0.01, 0.005), strict=True)
-    for (misfit, _), error, of_unlike in pairs:
+    for misfit, error, of_unlike in pairs:
         assert np.all((misfit < np.where(unlike, of_unlike, 4.0 * error))[rows])
 
 
@@ -110,15 +107,6 @@ def float_of(function):
     """Float64 results of a function without arguments."""
     with lf.float64():
         return np.asarray(function())
-
-
-def test_thin_gas_gives_free_molecules(disk):
-    state = state_at(1e6)
-    force, heat = maxwell_limits(disk, state, 0.8)
-    # as ratios: both are too small for an absolute tolerance
-    maxwell = lf.Kinetic(wall="maxwell")
-    assert maxwell.force(disk, state, (0.8,)) / force == pytest.approx(1.0, rel=1e-5)
-    assert lf.Kinetic().heat_loss(disk, state, (0.8,))[0] / heat == pytest.approx(1.0, rel=1e-4)
 
 
 @pytest.mark.parametrize(("gas", "heat_capacity", "conductivity"), [
@@ -181,18 +169,6 @@ def test_a_small_difference_can_be_reversed():
         assert hot - linear == pytest.approx(linear - cold, rel=0.03)
 
 
-def test_force_vanishes_faster_than_heat_in_dense_gas(disk):
-    model, unknowns = lf.Kinetic(), (1.0,)
-    knudsen = (2e-3, 2e-4, 2e-5)
-    forces = [model.force(disk, state_at(number), unknowns) for number in knudsen]
-    heats = [model.heat_loss(disk, state_at(number), unknowns)[0] for number in knudsen]
-    # pressure tenfold: the force falls by the power law of the table's end, the heat loss tends
-    # to that of conduction, which does not depend on pressure
-    assert np.diff(np.log(forces)) == pytest.approx(np.diff(np.log(forces))[0], abs=0.02)
-    assert forces[1] < 0.6 * forces[0]
-    assert heats[2] == pytest.approx(heats[1], rel=1e-2)
-
-
 @pytest.mark.parametrize("gas", GASES)
 def test_ratios_lie_between_zero_and_one_and_heat_grows(gas, rng):
     """Far beyond the table too, where a root-find may look."""
@@ -226,21 +202,6 @@ def test_gradient_is_that_of_differences(require_derivatives, film):
         return 1e6 * lifted[None]
 
     require_derivatives(lift, np.array([0.4, 0.01, 1000.0, 0.05]), rtol=1e-5, atol=1e-9)
-
-
-def test_walls_far_away_do_nothing_and_near_ones_raise_the_force(disk):
-    model, unknowns = lf.Kinetic(), (1e-4,)
-    states = [state_at(0.3, wall_distance=wall) for wall in (None, 100.0, 0.03)]
-    force = [float(model.force(disk, state, unknowns)) for state in states]
-    heat = [float(model.heat_loss(disk, state, unknowns)[0]) for state in states]
-    assert force[1] == pytest.approx(force[0], rel=1e-3)
-    assert heat[1] == pytest.approx(heat[0], rel=1e-3)
-    # the solver's own table at three radii and this Knudsen number
-    walls = table_of("kinetic_boundary", "diatomic")
-    row = np.argmin(abs(walls.knudsen - 0.3) + abs(walls.boundary - 3.0))
-    assert walls.boundary[row] == pytest.approx(3.0, rel=0.1)
-    assert force[2] / force[0] == pytest.approx(walls.force_factor[row], rel=0.05)
-    assert heat[2] / heat[0] == pytest.approx(walls.heat_factor[row], rel=0.01)
 
 
 # Knudsen number, half-width [radii], T_h/T_c, factors of force and heat of the non-linear problem

@@ -72,7 +72,6 @@ def test_unknown_walls_reach_the_ends_by_hand_in_thin_gas(kinds):
     assert plain == pytest.approx(maxwell, rel=1e-12)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("gas", ["monatomic", "diatomic"])
 def test_fit_predicts_walls_it_has_not_seen(gas):
     """Each of the table's inner walls, to 2 % of the force below δ = 5, where others are kept."""

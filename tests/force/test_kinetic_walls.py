@@ -152,7 +152,6 @@ def misfits(fit, table):
         ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("gas", ["monatomic", "diatomic"])
 def test_fit_follows_the_table_and_predicts_what_it_was_not_shown(gas):
     table = table_of(gas)
@@ -293,7 +292,6 @@ def force_and_heat(disk, state, excess, **errors):
     return np.array([float(force), float(heat)])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("gas", ["nitrogen", "argon", "helium"])
 def test_direct_simulations_lie_within_the_stated_error(direct_simulation, monkeypatch, gas):
     """At temperatures of flight, where the three kinds of accommodation differ: 95 % bounds."""

@@ -188,13 +188,6 @@ def test_force_keeps_its_digits_at_microkelvins():
     assert small == pytest.approx(smaller, rel=1e-7)
 
 
-def test_turned_over_the_force_is_reversed():
-    flyer, state = make(), state_at(3.0)
-    up, down = MODEL.force(flyer, state, (0.1, 0.5)), MODEL.force(flyer, state, (0.5, 0.1))
-    assert up == pytest.approx(-down, rel=1e-14)
-    assert up > 0.0
-
-
 def test_gas_in_the_gap():
     """Between a temperature jump at each wall, with its textbook coefficient."""
     air, area, gap = lf.gas.US1976_AIR, 2.0, 1e-4

@@ -162,7 +162,6 @@ def test_what_is_missing_is_said(given, message):
         lf.Chamber(**{"floor_temperature": 300.0, **given})
 
 
-@pytest.mark.slow
 def test_a_model_that_knows_no_floor_takes_the_gas_and_says_so():
     found = lf.predict(disk(), lf.Chamber(floor_temperature=320.0, **AROUND), lf.Lu2023(), at=[5.0])
     assert found.at["gas_temperature"][0] > COLD

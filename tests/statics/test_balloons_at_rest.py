@@ -40,7 +40,6 @@ def test_balloons_of_any_size_levitate_as_the_gas_law_says(setup, diameter):
     assert prediction.verdict
 
 
-@pytest.mark.slow
 def test_by_jax_they_do_too(setup):
     made = setup(100)
     state = made.environment.state(HEIGHTS[:5])

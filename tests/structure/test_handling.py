@@ -327,7 +327,6 @@ def test_a_balloon_has_its_hoop_stress_and_rings_only_taut():
     assert taut.lowest_frequency > 0.0
 
 
-@pytest.mark.slow
 def test_a_prediction_of_a_hollow_body_has_its_shape():
     found = lf.predict(lf.Setup(hollow(), lf.Earth(), lf.force.HollowPump()), at=[70e3])
     assert found.at["buckling_pressure"][0] > 0.0

@@ -1,12 +1,9 @@
 """The study of the largest sandwich that carries 10 mg and keeps its gap, as its user runs it."""
 
-import pytest
-
 import lightflyer as lf
 from lightflyer.cli.commands.init import templates
 
 
-@pytest.mark.slow
 def test_the_largest_sandwich_that_carries_10_mg_keeps_its_gap(tmp_path):
     known = templates()
     (tmp_path / "flyer.toml").write_text(known["ligaments"].read(), encoding="utf-8")

@@ -26,7 +26,6 @@ def study(study_of):
         yield module
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("module", MODULES)
 def test_intervals_cover(study, module, monkeypatch):
     """Far too narrow ones are found here, those that are somewhat so by the study."""

@@ -74,7 +74,6 @@ def test_templates(kind, prints, tmp_path, compared):
     assert not written or line in plain(report.read_text(encoding="utf-8"))
 
 
-@pytest.mark.slow
 def test_ten_disks():
     """Between disks that nothing lifts, that are too hot at rest, and that survive."""
     absorptances, emittances = (0.4, 0.9), (0.03, 0.08, 0.15, 0.3, 0.9)

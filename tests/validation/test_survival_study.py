@@ -14,7 +14,6 @@ def study(study_of):
         yield module
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("number", [4, 12])
 def test_a_line_of_the_table(study, number, tmp_path):
     with (STUDY / "results.csv").open(encoding="utf-8", newline="") as file:

@@ -237,7 +237,10 @@ def test_slopes_by_inputs_are_those_of_refits(setup, noisy):
         shares = fit.contributions[f"flyer.film.{name}"]
         assert shares == pytest.approx(np.abs(slope), rel=0.05, abs=1e-4)
     # the points' scatter and all inputs together
-    by_inputs = 1.96 * np.sqrt(sum(share**2 for share in fit.contributions.values()))
+    variance = sum(share**2 for share in fit.contributions.values())
+    added = np.diag(fit.total_covariance - fit.covariance) / fit.values**2
+    assert added == pytest.approx(variance, rel=1e-9)
+    by_inputs = 1.96 * np.sqrt(variance)
     ends, total = (np.log(one.T / fit.values) for one in (fit.intervals, fit.total_intervals))
     assert np.abs(total) == pytest.approx(np.hypot(ends, by_inputs), rel=0.06)
 

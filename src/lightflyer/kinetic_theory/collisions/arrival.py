@@ -15,7 +15,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     interpolate_on_face,
     nodes_in_eta,
 )
-from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
+from lightflyer.kinetic_theory.grid.kernels import inner_kernel, kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
     LARGEST_DEPTH,
     MOST_CUTS,
@@ -48,7 +48,7 @@ def harmonics(x, y, z, norms, out):
         leading *= 2 * m + 1
 
 
-@kernel
+@inner_kernel
 def _locate(point, direction, s, below, setup, seen, mesh, scratch, by_power):
     """Fill the sources at a point of a ray in its direction, by power of the speed."""
     norms, odd, components, moved = setup[6:10]
@@ -72,7 +72,7 @@ def _locate(point, direction, s, below, setup, seen, mesh, scratch, by_power):
         by_power[1 if i >= moved else 0, power[i]] += source[angular[i]] * fields[i]
 
 
-@kernel
+@inner_kernel
 def _correct(values, at_start, at_end, span, rule):
     """Correct the integrals at the points of a piece: uniform gas emits what its ends say."""
     powers = values.shape[1]
@@ -84,7 +84,7 @@ def _correct(values, at_start, at_end, span, rule):
             values[k, p] += missing
 
 
-@kernel
+@inner_kernel
 def _ray(point, direction, on_face, rarefaction, setup, mesh, half, scratch, cuts, brought):
     """Fill what one ray brings, by power of the speed: of translation and of rotation."""
     rule, table, scale = setup[3:6]
@@ -133,7 +133,7 @@ def _ray(point, direction, on_face, rarefaction, setup, mesh, half, scratch, cut
         depth = end
 
 
-@kernel
+@inner_kernel
 def _add_wall(brought, values, eta, straight_z, half, mesh, eta_basis):
     """Add the emission of a face, by power of the speed."""
     shares, density, temperature, velocity = half[2], half[3], half[4], half[5]
@@ -147,7 +147,7 @@ def _add_wall(brought, values, eta, straight_z, half, mesh, eta_basis):
         brought[1, q] += warmth * simple[q + 2]
 
 
-@kernel
+@inner_kernel
 def _collect(i, point, on_face, rarefaction, setup, mesh, half, out):
     """Moments at a node in powers of the speed, or fluxes at a face, of all directions."""
     layer, gauss_height, gauss_azimuth, rule, table = setup[:5]
@@ -194,7 +194,7 @@ def _collect(i, point, on_face, rarefaction, setup, mesh, half, out):
         _conserve(i, uniform, point[2], setup, half[0], out)
 
 
-@kernel
+@inner_kernel
 def _conserve(i, uniform, radial_scale, setup, own, out):
     """Correct by the node's own sources, so that uniform fields are reproduced exactly."""
     odd, components, moved, uniform_integrals = setup[7:]

@@ -21,7 +21,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     rim_basis_at,
     scatter,
 )
-from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
+from lightflyer.kinetic_theory.grid.kernels import inner_kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
     LARGEST_DEPTH,
     MOST_CUTS,
@@ -54,7 +54,7 @@ MOST_DIRECTIONS = 40000
 _EXACT = np.array([1.0, 0.5, 0.5, 1.0, 1.25, 1.25])
 
 
-@kernel
+@inner_kernel
 def _shape(j, first, kind, inverse):
     """Speed integral of the source of one unit field; ``first`` indexes J, ``inverse`` is 1/θ."""
     if kind == 0:
@@ -66,7 +66,7 @@ def _shape(j, first, kind, inverse):
     return (j[first + 3] * inverse - 2.5 * j[first + 1]) * inverse * inverse
 
 
-@kernel
+@inner_kernel
 def _emission_integral(j, first, kind, inverse):
     """Speed integral of an emission 1, (c²/θ−2)/θ² or c; ``inverse`` is 1/θ."""
     if kind == 0:
@@ -77,7 +77,7 @@ def _emission_integral(j, first, kind, inverse):
     return j[first + 1]
 
 
-@kernel
+@inner_kernel
 def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
     """Fill the six fields at a node of temperature θ, from integrals with 0 to 3 more powers."""
     pressure = weight * (2.0 / 3.0) * power_2
@@ -90,7 +90,7 @@ def _moments(power_0, power_1, power_2, power_3, row, theta, weight, out):
     out[5] = flux * row[1]
 
 
-@kernel
+@inner_kernel
 def _fluxes(power_1, power_2, power_3, normal, axial, weight, out):
     """Fill the fluxes that arrive at a wall, from integrals with 1 to 3 more powers."""
     out[0] = weight * normal * power_1
@@ -99,7 +99,7 @@ def _fluxes(power_1, power_2, power_3, normal, axial, weight, out):
     out[3] = weight * normal * axial * power_2
 
 
-@kernel
+@inner_kernel
 def _source_weights(j, first, on_face, row, source, theta, source_theta, weight, out):
     """Fill the weights of the fields at one ray point in each moment or flux of the row."""
     inverse = 1.0 / source_theta
@@ -118,7 +118,7 @@ def _source_weights(j, first, on_face, row, source, theta, source_theta, weight,
                 _moments(power_0, power_1, power_2, power_3, row, theta, w, out[field + component])
 
 
-@kernel
+@inner_kernel
 def _conserve(uniform, radial_scale, cell, correction):
     """Correct the node's own weights so that uniform fields are reproduced exactly."""
     # Far away the equation describes diffusion. Its terms are differences of integrals, and smaller
@@ -134,7 +134,7 @@ def _conserve(uniform, radial_scale, cell, correction):
             correction[field, moment] = missing
 
 
-@kernel
+@inner_kernel
 def _locate(point, direction, start, width, state, excess, setup, mesh, scratch):
     """Fill position, temperature and collision frequency at the points of one piece of a ray."""
     rarefaction, exponent, linear = state[0], state[1], state[5]
@@ -155,7 +155,7 @@ def _locate(point, direction, start, width, state, excess, setup, mesh, scratch)
         frequencies[k] = rarefaction * temperatures[k] ** exponent
 
 
-@kernel
+@inner_kernel
 def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, out):
     """Add the points of one piece to a row; returns the optical depth at the piece's end."""
     on_face, row, straight, theta, weight = seen
@@ -178,7 +178,7 @@ def _add_piece(depth, width, below, seen, state, setup, mesh, scratch, target, o
     return end
 
 
-@kernel
+@inner_kernel
 def _ray(point, direction, seen, state, setup, meshes, scratch, out, cuts, rows, walls, rim):
     """Add one ray to a row; returns the optical depth at its end."""
     table, scale = setup[5:]
@@ -225,7 +225,7 @@ def _ray(point, direction, seen, state, setup, meshes, scratch, out, cuts, rows,
     return depth
 
 
-@kernel
+@inner_kernel
 def _row(i, point, on_face, state, setup, meshes, rows, walls, rim, correction):
     """Fill one row: weights of the own half's fields, the other half's and after reflection."""
     layer, gauss_height, gauss_azimuth, gauss_ray, _, table, scale = setup
@@ -273,7 +273,7 @@ def _row(i, point, on_face, state, setup, meshes, rows, walls, rim, correction):
         _conserve(uniform, point[2], rows[0][i], correction)
 
 
-@kernel
+@inner_kernel
 def _wall(j, seen, eta, face, mesh, eta_basis, walls):
     """Add the emission of a face at θ = ``face`` towards a node: σ and temperature by its nodes."""
     order, first = eta_basis.size, eta_basis_at(eta, mesh, eta_basis)
@@ -289,7 +289,7 @@ def _wall(j, seen, eta, face, mesh, eta_basis, walls):
                     walls[kind * size + first + a, m] += eta_basis[a] * out[m]
 
 
-@kernel
+@inner_kernel
 def _emission(j, kind, inverse, seen, out):
     """Fill the moments or fluxes of one emission of a wall along a ray."""
     on_face, row, straight, theta, weight = seen
@@ -306,7 +306,7 @@ def _emission(j, kind, inverse, seen, out):
         _moments(power_0, power_1, power_2, power_3, row, theta, w, out)
 
 
-@kernel
+@inner_kernel
 def _rim(j, seen, eta, mesh, basis, target):
     """Add the emission of a wall around the gas: σ and temperature by its nodes."""
     first, size = rim_basis_at(eta, mesh, basis), target.shape[0] // RIM_EMISSIONS

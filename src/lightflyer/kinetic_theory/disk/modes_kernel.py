@@ -13,7 +13,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     nodes_in_eta,
     scatter,
 )
-from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
+from lightflyer.kinetic_theory.grid.kernels import inner_kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
     LARGEST_DEPTH,
     MOST_CUTS,
@@ -24,7 +24,7 @@ from lightflyer.kinetic_theory.grid.rays import (
 )
 
 
-@kernel
+@inner_kernel
 def _polynomials(normal, radial, coefficients, harmonics, powers):
     """Fill the modes along a direction by powers of c² times c^j; ``powers`` (k, size)."""
     # ``normal`` and ``radial`` are the direction's parts along the normal and away from the axis
@@ -44,7 +44,7 @@ def _polynomials(normal, radial, coefficients, harmonics, powers):
             from_normal *= c_n
 
 
-@kernel
+@inner_kernel
 def _integral(values, first, powers, harmonic):
     """Speed integral of a mode times the powers from ``first`` on."""
     total = 0.0
@@ -54,7 +54,7 @@ def _integral(values, first, powers, harmonic):
     return total
 
 
-@kernel
+@inner_kernel
 def _shape(values, first, kind, powers, harmonic):
     """Speed integral of the source of one unit field times a mode."""
     if kind == 0:
@@ -65,7 +65,7 @@ def _shape(values, first, kind, powers, harmonic):
     return _integral(values, first + kind, powers, harmonic) - low
 
 
-@kernel
+@inner_kernel
 def _piece(rarefaction, start, width, rule, table, scale, ends, values):
     """Fill the speed integrals at the points of a piece of a ray; ``values`` (points, powers)."""
     # corrected, so that a piece of uniform gas emits exactly what follows from its optical depth
@@ -82,7 +82,7 @@ def _piece(rarefaction, start, width, rule, table, scale, ends, values):
             values[g, p] += missing
 
 
-@kernel
+@inner_kernel
 def _add_source(values, weight, along, powers, harmonics, cells):
     """Add what unit fields at a point of a ray bring in each mode; ``cells`` (fields, k)."""
     for k in range(harmonics.size):

@@ -24,7 +24,7 @@ from lightflyer.kinetic_theory.grid.interpolation import (
     nodes_in_eta,
     rim_basis_at,
 )
-from lightflyer.kinetic_theory.grid.kernels import kernel, shared_kernel
+from lightflyer.kinetic_theory.grid.kernels import inner_kernel, shared_kernel
 from lightflyer.kinetic_theory.grid.rays import (
     LARGEST_DEPTH,
     MOST_CUTS,
@@ -42,7 +42,7 @@ _OF_TRANSLATION = 6  # Number of fields without rotation
 LOWEST = 0.1  # temperature of an iterate between nodes; those of solutions stay above 1
 
 
-@kernel
+@inner_kernel
 def _local_source(state, gas, radial, vertical, coefficients):
     """Model distribution along a direction, a Maxwellian times a polynomial in the speed."""
     # Fills the coefficients of c⁰ to c³ for number and for rotational energy; returns the
@@ -71,7 +71,7 @@ def _local_source(state, gas, radial, vertical, coefficients):
     return theta
 
 
-@kernel
+@inner_kernel
 def _add_piece(brought, weight, hot, cold, coefficients, rotates):
     """Add the contribution of one ray point, with four powers of the speed (two for rotation)."""
     a, b = coefficients[0], coefficients[1]
@@ -86,7 +86,7 @@ def _add_piece(brought, weight, hot, cold, coefficients, rotates):
             )
 
 
-@kernel
+@inner_kernel
 def _shift(cold, drift, square):
     """Turn the integrals of a gas at rest into those of a stream, to its second order."""
     if square == 0.0:
@@ -95,7 +95,7 @@ def _shift(cold, drift, square):
         cold[k] = (1.0 - square) * cold[k] + 2.0 * drift * (cold[k + 1] + drift * cold[k + 2])
 
 
-@kernel
+@inner_kernel
 def _add_stream(fields, sign, stream, xi, eta):
     """Add a stream to fields at a point, or take it from them."""
     fields[2] += sign * stream[0]
@@ -105,7 +105,7 @@ def _add_stream(fields, sign, stream, xi, eta):
         fields[6] += wake
 
 
-@kernel
+@inner_kernel
 def _add_stream_at_wall(brought, shares, drift, square, cold):
     """Add what a stream adds at a face, whose emission is less that of a gas at rest."""
     if square == 0.0:
@@ -117,7 +117,7 @@ def _add_stream_at_wall(brought, shares, drift, square, cold):
         brought[k] -= shares[0] * more + shares[1] * 4.0 * drift * cold[at + 1]
 
 
-@kernel
+@inner_kernel
 def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought):
     """Fill the contribution of one ray: its deviation times the speed to the powers 2 to 5."""
     # arrays and the loop over points are local: a compiler cannot rule out that arrays passed to a
@@ -191,7 +191,7 @@ def _ray(point, direction, rarefaction, setup, meshes, gas, half, cuts, brought)
         first, depth, share = at_disk, depth_at_disk, transmitted
 
 
-@kernel
+@inner_kernel
 def _emission(eta, normal, half, mesh, eta_basis):
     """Maxwellian that a face emits at a point along a ray; ``normal``: its cosine, squared."""
     density = interpolate_on_face(half[2][0], eta, mesh, eta_basis)
@@ -204,7 +204,7 @@ def _emission(eta, normal, half, mesh, eta_basis):
     return density, temperature, turning, half[3][0]
 
 
-@kernel
+@inner_kernel
 def _add_rim(brought, place, rim, share, depth, setup, mesh, hot, cold):
     """Add the emission of the walls around the gas at the end of a ray, if it is seen."""
     if rim.size == 0 or share == 0.0 or depth >= LARGEST_DEPTH:
@@ -222,7 +222,7 @@ def _add_rim(brought, place, rim, share, depth, setup, mesh, hot, cold):
     _add_emission(brought, emission, depth, setup, hot, cold)
 
 
-@kernel
+@inner_kernel
 def _add_emission(brought, emission, depth, setup, hot, cold):
     """Add a Maxwellian by density, temperatures and share, less that of the gas at rest."""
     density, temperature, turning, share = emission
@@ -235,7 +235,7 @@ def _add_emission(brought, emission, depth, setup, hot, cold):
         brought[_POWERS + k] += share * (density * turning * hot[k + 1] - cold[k + 1])
 
 
-@kernel
+@inner_kernel
 def _collect(point, on_face, rarefaction, setup, meshes, gas, half, out):
     """Raw moments at a node, or fluxes at a face, summed over all directions."""
     layer, gauss_height, gauss_azimuth = setup[:3]
@@ -273,7 +273,7 @@ def _collect(point, on_face, rarefaction, setup, meshes, gas, half, out):
             out[11] += w * z * z * brought[2]
 
 
-@kernel
+@inner_kernel
 def _central(raw, radial_scale, rotates, fields):
     """Fields from raw moments: central in the mean velocity."""
     density = 1.0 + raw[0]

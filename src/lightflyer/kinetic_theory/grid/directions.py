@@ -8,7 +8,7 @@ exactly on this cone and grow with the distance from it, which resolves a distan
 
 import numpy as np
 
-from lightflyer.kinetic_theory.grid.kernels import kernel
+from lightflyer.kinetic_theory.grid.kernels import inner_kernel, kernel
 
 _GROWTH = 3.0  # of panel widths away from a cone
 _MOST_EDGES = 64
@@ -40,7 +40,7 @@ def graded_edges(low, high, at_low, at_high, edges):
     return count
 
 
-@kernel
+@inner_kernel
 def _push_ring(directions, count, height, weight, edges, edge_count, nodes, weights):
     horizontal = np.sqrt(max(0.0, (1.0 - height) * (1.0 + height)))
     for panel in range(edge_count - 1):
@@ -55,7 +55,7 @@ def _push_ring(directions, count, height, weight, edges, edge_count, nodes, weig
     return count
 
 
-@kernel
+@inner_kernel
 def _push_interval(
     directions, count, sign, ends, scales, ring, ring_count, gauss_height, gauss_azimuth
 ):
@@ -81,7 +81,7 @@ def _push_interval(
     return count
 
 
-@kernel
+@inner_kernel
 def _ring_edges(end, at_end, edges):
     """Panels in azimuth from 0, graded towards the end, none wider than a quarter turn."""
     if end <= _QUARTER_TURN:
@@ -91,7 +91,7 @@ def _ring_edges(end, at_end, edges):
     return count + 1
 
 
-@kernel
+@inner_kernel
 def _push_cone(directions, count, point, near, far, gauss_height, gauss_azimuth):
     """Rings of directions that hit the disk in part, split where they do."""
     radius, height = point

@@ -4,7 +4,7 @@
 :func:`lightflyer.kinetic_theory.disk.operators.kernel_arguments`.
 """
 
-from lightflyer.kinetic_theory.grid.kernels import kernel
+from lightflyer.kinetic_theory.grid.kernels import inner_kernel, kernel
 from lightflyer.kinetic_theory.grid.mesh import (
     BEYOND,
     CYLINDER,
@@ -24,7 +24,7 @@ def panel_of(edges, value):
     return panel
 
 
-@kernel
+@inner_kernel
 def _lagrange(nodes, v, basis):
     """Fill the Lagrange polynomials of nodes, nodes[0], on [0, 1]; nodes[1] scales them."""
     for i in range(basis.size):

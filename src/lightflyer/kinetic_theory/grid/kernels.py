@@ -35,7 +35,11 @@ forget_stale_kernels()
 _KEEPS = keeps_code()  # else Numba would write beside the package
 
 # a division by zero gives no number, which is noticed
-kernel: Any = njit(cache=_KEEPS, error_model="numpy")  # Compile a function, and keep it compiled
+_OPTIONS: Any = {"cache": _KEEPS, "error_model": "numpy"}
+# what Python would call takes a sixth of the time of compilation
+_OF_KERNELS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+kernel: Any = njit(**_OPTIONS)  # Compile a function, and keep it compiled
+inner_kernel: Any = njit(**_OPTIONS, **_OF_KERNELS)  # The same of one that kernels alone call
 
 _PARTS_PER_THREAD = 8  # rows differ in work
 
@@ -46,7 +50,7 @@ def shared_kernel(function: Callable[..., None]) -> Callable[..., None]:
     It takes the first row, the one after the last, points of all rows, and more; callers leave the
     first two away. numba's own threads would add a quarter to the time of compilation.
     """
-    compiled = njit(cache=_KEEPS, error_model="numpy", nogil=True)(function)
+    compiled = njit(**_OPTIONS, nogil=True)(function)
 
     @wraps(function)
     def shared(points: np.ndarray, *arguments: Any) -> None:

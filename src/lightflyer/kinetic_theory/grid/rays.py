@@ -19,7 +19,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from lightflyer.kinetic_theory.grid.kernels import kernel
+from lightflyer.kinetic_theory.grid.kernels import inner_kernel, kernel
 
 LOWEST_POWER = 1
 HIGHEST_POWER = 8
@@ -79,7 +79,7 @@ def spheroidal(radius_squared, height):
     return abs(height) / eta, min(1.0, eta)
 
 
-@kernel
+@inner_kernel
 def _insert(cuts, count, s, length):
     """Put a cut between 0 and the ray's length in its place; returns how many there are."""
     if not 0.0 < s < length:
@@ -92,7 +92,7 @@ def _insert(cuts, count, s, length):
     return count + 1
 
 
-@kernel
+@inner_kernel
 def _insert_roots(cuts, count, a, b, c, length):
     """Put the roots of a s² + 2 b s + c in their places."""
     if abs(a) < 1e-14 * (abs(b) + abs(c)):
@@ -197,7 +197,7 @@ def integrals(depth, table, scale, first, values):
         values[p] = ((row[0, k] * t + row[1, k]) * t + row[2, k]) * t + row[3, k]
 
 
-@kernel
+@inner_kernel
 def _tabulate(depth, table, scale, values):
     """Fill J₁ to J₈ at an optical depth below the largest of the table."""
     # as :func:`integrals`, of a number that the compiler knows: all of a solution is 10 % faster

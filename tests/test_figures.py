@@ -20,7 +20,6 @@ from lightflyer.calibration import Points
 from lightflyer.calibration.bayes import Posterior
 from lightflyer.calibration.figures import fitted_curve
 from lightflyer.files import drawing, palette
-from lightflyer.files.display_units import in_words
 from lightflyer.lab.readers.height_map import HeightMap
 from lightflyer.lab.thermography.data import parse_band
 from lightflyer.parametric.figures import pareto_figure
@@ -420,8 +419,3 @@ def test_a_column_is_as_wide_as_a_column():
 
 def test_a_notebook_shows_a_figure_by_itself():
     assert drawing.new_figure()._repr_png_().startswith(b"\x89PNG")
-
-
-def test_words_for_keys():
-    assert in_words("film.layers.1.thickness") == "film layers 1 thickness"
-    assert in_words("environment.radiation.albedo") == "environment radiation albedo"

@@ -1,6 +1,7 @@
-"""Two pages' own code, as a reader would run it."""
+"""Examples, and two pages' own code, as a reader would run them."""
 
 import re
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,8 @@ import pytest
 
 import lightflyer as lf
 
-DOCS = Path(__file__).parents[1] / "docs"
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
 
 
 def run_page(name):
@@ -34,3 +36,9 @@ def test_compare_page():
     assert found.best.prediction.best.values["payload"] == pytest.approx(6.45e-7, rel=1e-3)
     there = found.dataset.payload_per_area.sel(altitude=72e3, method="nearest")
     assert [f"{1e3 * float(value):.2g}" for value in there] == ["1.2", "1", "0.16"]
+
+
+@pytest.mark.parametrize("name", ["reproduce_paper_band", "calibrate_synthetic_points"])
+def test_example_runs_and_its_numbers_hold(name, capsys):
+    runpy.run_path(str(ROOT / f"examples/{name}.py"), run_name="__main__")
+    assert capsys.readouterr().out

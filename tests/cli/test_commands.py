@@ -57,7 +57,6 @@ def test_predict_prints_a_table_and_writes_whole_files(prints, flyer_file, tmp_p
         assert "altitude" in file
 
 
-@pytest.mark.slow
 def test_files_are_the_same_every_time(run, flyer_file, tmp_path):
     path = flyer_file()
     for name in ("one", "two"):
@@ -99,13 +98,6 @@ def test_json_names_and_values(prints, flyer_file):
     }
 
 
-def test_band_edges_agree_with_the_differentiable_function(run, flyer_file):
-    setup = lightflyer.read_flyer_file(flyer_file()).build()
-    band = lightflyer.levitation_band(setup.flyer, setup.environment, setup.model)
-    edges = json.loads(run("predict", flyer_file(), "--json")[1])["altitude_band_km"]
-    assert edges == pytest.approx([band.lower / 1e3, band.upper / 1e3], abs=1e-6)
-
-
 def test_a_flyer_that_never_levitates_is_an_answer(prints, flyer_file, tmp_path):
     heavy, out = flyer_file('"1.0 g/m^2"', '"100 g/m^2"'), tmp_path / "out"
     asked = ("predict", heavy, "--verbose", "--out", out, "--format", "png")
@@ -118,7 +110,6 @@ def test_a_flyer_that_never_levitates_is_an_answer(prints, flyer_file, tmp_path)
     assert result["best"]["payload_mg"] < 0.0
 
 
-@pytest.mark.slow
 def test_chamber(run, prints, tmp_path):
     path = tmp_path / "chamber.toml"
     assert run("init", path, "--kind", "chamber")[0] == 0
@@ -294,7 +285,7 @@ def test_an_interrupt_of_the_import_is_one_line(tmp_path):
     assert b"KeyboardInterrupt" in found.stderr
 
 
-@pytest.mark.parametrize("words", ["predict no.toml", "lab tac no.csv", "compare no.toml a.toml"])
+@pytest.mark.parametrize("words", ["lab tac no.csv", "compare no.toml a.toml"])
 def test_a_missing_file_is_said_before_anything_is_loaded(words):
     check = (
         "import sys; from lightflyer.cli import main\n"
@@ -317,16 +308,15 @@ def printed_without_importing(heavy, code):
     return result.stdout
 
 
-@pytest.mark.parametrize(
-    ("asked", "told"), [("--help", "predict"), ("lab tac --help", "--gauge-factor")]
-)
-def test_help_imports_nothing_heavy(asked, told):
+def test_help_imports_nothing_heavy():
     heavy = {"jax", "numpy", "xarray", "matplotlib", "pint", "pydantic"}
     code = (
-        "from lightflyer.cli import app\n"
-        f"app({asked!r}, exit_on_error=False, result_action='return_value')"
+        "from lightflyer.cli import app\nfor asked in ('--help', 'lab tac --help'):\n"
+        "    app(asked, exit_on_error=False, result_action='return_value')"
     )
-    assert told in printed_without_importing(heavy, code)
+    shown = printed_without_importing(heavy, code)
+    assert "predict" in shown
+    assert "--gauge-factor" in shown
 
 
 def test_reading_a_flyer_file_imports_nothing_to_draw_with():

@@ -109,7 +109,6 @@ def fly(run, folder):
     return command
 
 
-@pytest.mark.slow
 def test_what_a_rocket_lets_go_lands(fly, folder):
     out = folder / "landed"
     changes = (
@@ -136,7 +135,6 @@ def test_what_a_rocket_lets_go_lands(fly, folder):
     assert [one["properties"]["holds"] for one in areas] == [0.5, 0.95]
 
 
-@pytest.mark.slow
 def test_a_mission_writes_what_it_says(fly, folder):
     out = folder / "out"
     code, shown, errors = fly(options=("--out", out, "--format", "png"))
@@ -242,10 +240,9 @@ def check_geojson(document, dataset):
     np.testing.assert_allclose(member["geometry"]["coordinates"], place, atol=0.06)
 
 
-@pytest.mark.slow
 def test_an_interrupted_mission_goes_on(fly, folder, monkeypatch):
     monkeypatch.setattr(fleet, "BATCH", 2)
-    changes = [('duration = "30 h"', 'duration = "2 h"'), ("members = 6", "members = 2"),
+    changes = [('duration = "30 h"', 'duration = "1 h"'), ("members = 6", "members = 2"),
                ("count = 2", "count = 1")]  # fmt: skip
     code, whole, errors = fly(*changes)
     assert code == 0, errors
@@ -260,9 +257,6 @@ def test_an_interrupted_mission_goes_on(fly, folder, monkeypatch):
     assert not kept.exists()
     summary = (folder / "resumed" / "mission.json").read_text(encoding="utf-8")
     assert json.loads(summary) == json.loads(whole)
-    code, shown, _ = fly(*changes, options=options)
-    assert code == 0
-    assert "went on" not in shown
 
 
 def check_dataset(dataset):
@@ -290,7 +284,6 @@ def check_dataset(dataset):
     assert east[-1] - east[0] == pytest.approx(27.0, abs=0.5)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "reason", "words"),
     [
@@ -313,7 +306,6 @@ def test_a_mission_that_ends_early_keeps_what_was_flown(fly, changes, reason, wo
         assert summary["duration_h"] == pytest.approx(18.0, abs=1e-3)
 
 
-@pytest.mark.slow
 def test_a_mission_in_the_polar_night_says_that_it_finds_no_light(fly):
     code, shown, errors = fly(('"45 deg"', '"-85 deg"'), *ALONE)
     assert code == 0, errors
@@ -338,7 +330,6 @@ radius = "150 km"
 [mission.ensemble]"""
 
 
-@pytest.mark.slow
 def test_a_steered_mission_says_how_long_it_stays_near_its_station(fly, folder):
     out = folder / "steered"
     code, shown, errors = fly(

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import lightflyer
+from lightflyer.cli.output import duration, in_words, with_prefix
 
 CLI = Path(lightflyer.__file__).parent / "cli"
 
@@ -28,7 +29,6 @@ def test_one_place_makes_consoles():
             assert not re.search(r"\bConsole\(", path.read_text(encoding="utf-8")), path
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
 def test_any_encoding_of_the_terminal(flyer_file, encoding):
     printed = subprocess.run(
@@ -58,3 +58,11 @@ def test_a_narrow_terminal_loses_columns_not_digits(run, flyer_file, monkeypatch
 def test_no_table_is_wrapped_in_a_pipe(prints, monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
     assert max(map(len, prints("materials").splitlines())) > 100
+
+
+def test_large_numbers_are_as_people_say_them():
+    assert [in_words(number) for number in (12.0, 2.5e6, 3e18)] == [
+        "12", "2.5 million", "3e+06 trillion",
+    ]  # fmt: skip
+    assert [with_prefix(number, "B") for number in (12.0, 5.2e9)] == ["12 B", "5.2 GB"]
+    assert [duration(time) for time in (7500.0, 90.0, 1e9)] == ["2 hours", "90 seconds", "32 years"]

@@ -99,7 +99,6 @@ def test_the_page_opens_with_what_was_found(run, points, tmp_path):
     assert whole.index("read 16 rows") < whole.index("<h2>Numbers") < whole.index("<h2>How it was")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("measurement", "arguments", "opening"),
     [

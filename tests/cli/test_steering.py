@@ -15,7 +15,6 @@ COMMANDS = {
 RANGE = ("--altitudes", "70 km to 76 km")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_prints_a_table_and_writes_what_it_says(prints, flyer_file, tmp_path, command):
     options, name = COMMANDS[command]
@@ -47,7 +46,6 @@ def test_a_command_prints_a_table_and_writes_what_it_says(prints, flyer_file, tm
     assert json.loads(prints(command, flyer, *options, *RANGE, "--json")) == summary
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("given", "said"), [
     (("drift", *RANGE, "--azimuth", "north"), "--azimuth"),
     (("drift", "--altitudes", "76 km to 70 km"), "the first must be the lower one"),

@@ -7,6 +7,8 @@ import pytest
 import lightflyer as lf
 from lightflyer.array import tree
 from lightflyer.calibration import Points
+from lightflyer.files.display_units import amount, in_words, suitable
+from lightflyer.files.drawing import wrap_label
 from lightflyer.files.result_text import PrintedResult, open_interval_text, unwrap, wrap
 from lightflyer.lab.commands import measurements
 
@@ -226,3 +228,12 @@ def test_a_command_to_copy_stays_in_one_line():
     broken = wrap(said)
     assert broken.splitlines()[-1] == "pip install 'lightflyer[x]'"
     assert unwrap(broken) == [said]
+
+
+def test_values_and_names_as_readers_see_them():
+    label = "smallest irradiance that levitates the flyer [W/m²]"
+    assert suitable("kg", 1.5e-7) == (1e6, "mg")
+    assert amount(72116.2, "m", digits=5) == "72.116 km"
+    assert in_words("flyer.film.tac_top") == "film TAC, top"
+    assert in_words("film.layers.1.thickness") == "film layers 1 thickness"
+    assert wrap_label(label) == "smallest irradiance that\nlevitates the flyer [W/m²]"

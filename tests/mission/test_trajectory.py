@@ -159,3 +159,19 @@ def test_velocity_and_temperature_follow_at_once(isothermal_air, closed_form_dis
     assert found.termination[0] == TerminationReason.STILL_FLYING
     assert abs(steady - altitude) > 200.0
     assert 1e-3 < abs(found.end_altitude[0] - steady) < 1.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_flight_ends_at_the_place_of_rest_of_the_verdict(seed):
+    """Disks in a light that is always the same."""
+    rng = np.random.default_rng(seed)
+    film = lf.FilmProperties(
+        rng.uniform(0.8e-3, 1.2e-3), rng.uniform(0.6, 0.9), 0.08, rng.uniform(0.05, 0.1),
+        tac_top=0.8, tac_bottom=rng.uniform(0.88, 0.95),
+    )  # fmt: skip
+    around = lf.Disk(film, radius=rng.uniform(1e-3, 4e-3)), lf.Earth(), lf.Lu2023()
+    rest = lf.predict(*around).verdict.rest
+    below = lf.Release(rest.coordinate - 2e3, 10.0, 0.0, "2026-06-21T12:00Z")
+    flown = lf.fly(*around, release=below, duration="30 h", attitude=Level())
+    assert float(flown.end_altitude) == pytest.approx(rest.coordinate, abs=10.0)
+    assert float(flown.temperature[-1]) == pytest.approx(rest.values["temperature"], abs=0.1)

@@ -192,7 +192,7 @@ def command(folder):
     )
     with pytest.raises(SystemExit) as ended:
         main(["lab", "optics", str(folder / "sample.toml"), "--out", str(folder / "out"),
-              "--starts", "1", "--update", str(flyer)])  # fmt: skip
+              "--starts", "1", "--format", "svg", "--update", str(flyer)])  # fmt: skip
     assert not ended.value.code
     return folder
 
@@ -200,7 +200,7 @@ def command(folder):
 def test_command_writes_everything(command):
     out = command / "out"
     names = {path.name for path in out.iterdir()}
-    assert {"optics.json", "optics.nc", "optics.png", "optics-constants.svg",
+    assert {"optics.json", "optics.nc", "optics.svg", "optics-constants.svg",
             "optics-spectrum-3.csv", "optics-constants-1.csv"} <= names  # fmt: skip
     document = json.loads((out / "optics.json").read_text(encoding="utf-8"))
     for name, truth in zip(document["numbers"], TRUE, strict=True):

@@ -44,7 +44,7 @@ def folder(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "compute", cache(module.compute))
         with redirect_stdout(StringIO()) as printed, pytest.raises(SystemExit, match="0"):
-            main(["paper", "--out", str(out)])
+            main(["paper", "--out", str(out), "--dpi", "100"])
         assert "reproduced" in printed.getvalue()
         assert "report.html" in printed.getvalue()
         yield out

@@ -227,11 +227,9 @@ def test_thicknesses_go_through_to_flight():
         return float(lf.payload(inputs.build(values).flyer, state, model))
 
     known = {nanometres: exact(nanometres) for nanometres in (19.0, 21.0)}
-    change = 0.5 * (known[21.0] - known[19.0])
-    assert abs(change) > 1e-3 * abs(known[21.0])
+    assert abs(known[21.0] - known[19.0]) > 2e-3 * abs(known[21.0])
     for nanometres, payload in known.items():
         assert propagated(nanometres) == pytest.approx(payload, rel=1e-9)
-    assert propagated(22.0) == pytest.approx(exact(22.0), abs=0.02 * abs(change))
 
 
 @pytest.mark.parametrize(

@@ -57,13 +57,7 @@ def test_one_file_given_twice_is_said(prints, files):
     assert "narrow and narrow (2) are the same design" in " ".join(text.split())
 
 
-def test_mistakes_are_one_line_each(refuses, files, tmp_path):
+def test_a_mistake_names_its_file(refuses, files, tmp_path):
     broken = tmp_path / "broken.toml"
     broken.write_text(files[0].read_text("utf-8").replace("2 cm", "-2 cm"), "utf-8")
-    for arguments, told in (
-        ((files[0], broken), "broken.toml:7: flyer.diameter"),
-        ((*files, "--altitudes", "60 to 70"), '"60" has no unit'),
-        ((*files, "--pressures", "1 Pa to 3 Pa"), "narrow.toml is described over altitude"),
-        ((*files, "--samples", "7"), "samples = 7"),
-    ):
-        assert told in refuses("compare", *arguments)
+    assert "broken.toml:7: flyer.diameter" in refuses("compare", files[0], broken)

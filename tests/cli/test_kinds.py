@@ -183,42 +183,19 @@ def test_warnings_are_of_where_it_flies(run, file_of):
     assert "at 169 Pa, above 100: the table" in told
 
 
-SEARCHED = {
-    "balloon": ("lift_over_weight", '"film.emittance_top" = { from = 0.1, to = 0.9 }', "18 km"),
-    "particle": (
-        "lift_over_weight",
-        '"flyer.diameter" = { from = "0.5 um", to = "8 um" }',
-        "70 km",
-    ),
-    "sandwich": (
-        "payload",
-        '"flyer.gap" = { from = "30 um", to = "2 mm", scale = "log" }\n'
-        '"flyer.bottom.emittance_bottom" = { from = 0.05, to = 0.3 }',
-        "75 km",
-    ),
-}
-LEAST_EMITTANCE = {"film.emittance_top": 0.1, "flyer.bottom.emittance_bottom": 0.05}
-
-
-@pytest.mark.parametrize("kind", SEARCHED)
-def test_the_best_of_a_kind_is_better_than_its_template(prints, file_of, tmp_path, kind):
-    output, over, altitude = SEARCHED[kind]
-    setup, study = lf.read_flyer_file(file_of(kind)).build(), tmp_path / "study.toml"
+def test_the_best_sandwich_is_better_than_its_template(prints, file_of, tmp_path):
+    setup, study = lf.read_flyer_file(file_of("sandwich")).build(), tmp_path / "study.toml"
     study.write_text(
-        f'flyer = "flyer.toml"\n[optimise]\nmaximise = "{output}"\nbeyond_range = true\n'
-        f'starts = 2\n[optimise.over]\n{over}\naltitude = "{altitude}"\n',
+        'flyer = "flyer.toml"\n[optimise]\nmaximise = "payload"\nbeyond_range = true\n'
+        'starts = 2\n[optimise.over]\naltitude = "75 km"\n'
+        '"flyer.gap" = { from = "30 um", to = "2 mm", scale = "log" }\n'
+        '"flyer.bottom.emittance_bottom" = { from = 0.05, to = 0.3 }\n',
         encoding="utf-8",
     )
-    text = prints("optimise", study, "--json")
-    best, state = json.loads(text), setup.environment.state(1e3 * float(altitude.split()[0]))
-    of_template = {
-        "payload": lf.payload,
-        "lift_over_weight": lambda *_: lift_over_weight(setup, state),
-    }
-    here = of_template[output](setup.flyer, state, setup.model)
-    assert float(best["outputs"][output]) > here
-    for name, value in LEAST_EMITTANCE.items():
-        assert best["design"].get(name, value) == pytest.approx(value)
+    best = json.loads(prints("optimise", study, "--json"))
+    here = lf.payload(setup.flyer, setup.environment.state(75e3), setup.model)
+    assert best["outputs"]["payload"] > here
+    assert best["design"]["flyer.bottom.emittance_bottom"] == pytest.approx(0.05)
 
 
 def test_a_sandwich_is_sensitive_to_what_its_model_takes(prints, file_of, tmp_path):

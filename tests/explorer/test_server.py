@@ -246,14 +246,3 @@ def test_eight_pages_are_apart_and_need_little_memory(site, workplace):
         assert summary == site.ask("predict", document=document)["summary"]
         areas.add(summary["best"]["payload_mg"])
     assert len(areas) == 8
-
-
-@pytest.mark.parametrize(
-    "text", ["x = " + "[" * 400 + "]" * 400, f"[{'.'.join('a' * 3000)}]\nb = 1"]
-)
-def test_a_deep_file_is_refused_in_a_line(site, text):
-    body = json.dumps({"name": "deep.toml", "text": text})
-    status, _, content = site.request("POST", "/api/upload/design", body, JSON)
-    assert status == 200
-    (mistake,) = json.loads(content)["errors"]
-    assert mistake["text"] == "deep.toml: lists or tables are nested too deeply"

@@ -1,7 +1,6 @@
 from importlib import resources
 
 import numpy as np
-import openpyxl
 import pytest
 
 import lightflyer as lf
@@ -76,7 +75,7 @@ EXAMPLES = {
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_calibration_and_lab_bench_read_the_same(tmp_path, name):
-    """The package's own examples, as text of spreadsheets and as workbooks."""
+    """The package's own examples, as text of spreadsheets."""
     text = EXAMPLES[name].lstrip("\N{ZERO WIDTH NO-BREAK SPACE}")
     path = tmp_path / name
     path.write_text(text, encoding="utf-16")
@@ -86,32 +85,6 @@ def test_calibration_and_lab_bench_read_the_same(tmp_path, name):
     for column in ("pressure", "irradiance"):
         joined = np.concatenate([getattr(sample, column) for sample in samples])
         np.testing.assert_array_equal(np.sort(joined), np.sort(getattr(points, column)))
-    book = tmp_path / "points.xlsx"
-    _write_workbook(book, text)
-    again = read_points(book)
-    np.testing.assert_allclose(again.pressure, points.pressure, rtol=1e-14)
-    np.testing.assert_allclose(again.irradiance, points.irradiance, rtol=1e-14)
-
-
-def _write_workbook(path, text):
-    lines = [line for line in text.splitlines() if not line.startswith("#")]
-    mark = ";" if ";" in lines[0] else ","
-    book = openpyxl.Workbook()
-    for line in lines:
-        cells = [cell.strip() for cell in line.split(mark)]
-        plain = [cell.replace(",", ".") for cell in cells]
-        book.active.append(
-            [float(one) if _is_float(one) else cell for one, cell in zip(plain, cells, strict=True)]
-        )
-    book.save(path)
-
-
-def _is_float(cell):
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
 
 
 def test_what_must_be_known_of_the_reading_is_a_warning(write):

@@ -227,25 +227,12 @@ def test_dust_dims_low_flyers_and_not_high_ones(mars):
     assert "COSPAR" in text
 
 
-SECTION = """
-[flyer]
-diameter = "2 cm"
-[film]
-areal_density = "1.0 g/m^2"
-absorptance = 0.75
-emittance = 0.08
-tac_top = 0.8
-tac_bottom = 0.9
-[force]
-model = "lu2023"
-[environment]
-kind = "mars"
-"""
-
-
 @pytest.fixture
-def read(write):
-    return lambda lines: lf.read_flyer_file(write(SECTION + lines, "flyer.toml"))
+def read(flyer_file):
+    earth = (
+        'kind = "earth"\natmosphere = "lu2023"\nirradiance = "1360 W/m^2"\nincidence = "0 deg"\n'
+    )
+    return lambda lines: lf.read_flyer_file(flyer_file(earth, f'kind = "mars"\n{lines}\n'))
 
 
 def test_light_of_a_file_by_season_and_hour(read):

@@ -1,33 +1,16 @@
-"""Public reports of uncertainties: covariances and indices by closed formulas.
+"""Public reports of uncertainties: indices by closed formulas.
 
-Tests of other rooms have the cases of https://github.com/lmfit/uncertainties/issues/29 and 141 and
-https://github.com/eggzec/mcerp/issues/24 (`uncertainty/test_correlation.py`), and of
+Tests of other rooms have the cases of https://github.com/lmfit/uncertainties/issues/29, 95 and 141
+and https://github.com/eggzec/mcerp/issues/24 (`uncertainty/test_correlation.py`), and of
 https://github.com/stcorp/harp/issues/302 and https://github.com/scipp/scipp/pull/3919
 (`lab/test_estimate.py`).
 """
 
 import numpy as np
-import pytest
 from SALib.test_functions import Ishigami
-from scipy.stats import norm, qmc
+from scipy.stats import qmc
 
 from lightflyer.search.sobol_estimates import REPLICATES, indices_with_intervals
-from lightflyer.uncertainty.inputs import correlate
-
-
-@pytest.mark.parametrize("third", [False, True])
-def test_a_further_correlated_number_changes_nothing(third):
-    """https://github.com/lmfit/uncertainties/issues/95: masses of neutron and proton, and a rate.
-
-    The spread of the difference is u √(2(1 - r)).
-    """
-    names, correlations = ("p", "n"), {("p", "n"): 0.9992}
-    if third:
-        names = (*names, "w")
-        correlations |= {("p", "w"): -0.0004, ("n", "w"): -0.0004}
-    shares = qmc.Sobol(len(names), seed=3).random(1 << 15)
-    first, second = norm.ppf(correlate(shares, names, correlations)).T[:2]
-    assert np.std(second - first) == pytest.approx(np.sqrt(2.0 * (1.0 - 0.9992)), rel=0.02)
 
 
 def test_indices_of_a_known_function():

@@ -185,7 +185,7 @@ def by_temperature(data):
     return data.drop_vars("z")
 
 
-@pytest.mark.parametrize("layout", [era5, merra2, icon, by_temperature])
+@pytest.mark.parametrize("layout", [era5, merra2, by_temperature])
 def test_what_is_read_of_a_large_file_is_what_it_has(tmp_path, monkeypatch, layout):
     """Over both poles and the date line, place after place and all at once."""
     path = tmp_path / "weather.nc"

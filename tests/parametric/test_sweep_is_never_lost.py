@@ -25,7 +25,7 @@ import xarray as xr
 import lightflyer as lf
 from lightflyer.compute import scheduler, store
 from lightflyer.config.designs import as_design
-from lightflyer.core.quantity import Coefficient, Length, Mass
+from lightflyer.core.quantity import Coefficient
 from lightflyer.parametric.run import sweep_into
 from lightflyer.study.study import make_study
 
@@ -195,53 +195,27 @@ def test_another_study_in_the_folder_is_refused_with_the_difference(
         sweep_into(study, folder)
 
 
-class Plate(lf.AbstractFlyer):
+class Plate(lf.Disk):
     """A script's own flyer."""
-
-    nodes: ClassVar[tuple[str, ...]] = ("plate",)
-
-    side: Length
-    payload: Mass = 0.0
-    attitude: None = None
-
-    @property
-    def area(self):
-        return self.side**2
-
-    @property
-    def own_mass(self):
-        return 1e-3 * self.area
-
-    def beam_areas(self, state):
-        return (0.8 * self.area,)
-
-    def heat_gains(self, state):
-        return (0.0 * self.area,)
-
-    def heat_losses(self, state, unknowns):
-        return (1e-5 * self.area * state.temperature**3 * unknowns[0],)
 
     def describe(self):
         return "plate"
 
 
-class Push(lf.AbstractForceModel):
+class Push(lf.FreeMolecular):
     """A script's own force model."""
 
     flyers: ClassVar[tuple[type[lf.AbstractFlyer], ...]] = (Plate,)
     strength: Coefficient = 0.1
-
-    def heat_loss(self, flyer, state, unknowns):
-        return (100.0 * flyer.area * state.pressure * unknowns[0],)
 
     def force(self, flyer, state, unknowns):
         return self.strength * flyer.area * state.pressure * unknowns[0]
 
 
 @pytest.fixture
-def own_study():
-    setup = lf.Setup(Plate(0.01), lf.lu2023_earth(), Push())
-    entries = {"flyer.side": np.linspace(0.01, 0.02, 30), "altitude": np.linspace(60e3, 70e3, 20)}
+def own_study(film):
+    setup = lf.Setup(Plate(film, 0.01), lf.lu2023_earth(), Push())
+    entries = {"flyer.radius": np.linspace(0.01, 0.02, 30), "altitude": np.linspace(60e3, 70e3, 20)}
     return make_study(as_design(setup), entries, ["lift", "temperature"])
 
 
@@ -249,7 +223,9 @@ def test_other_code_of_ones_own_class_is_another_study(own_study, tmp_path, monk
     folder = tmp_path / "results.zarr"
     sweep_into(own_study, folder, evaluator=StandIn())
     source = inspect.getsource
-    monkeypatch.setattr(inspect, "getsource", lambda kind: source(kind).replace("100.0", "101.0"))
+    monkeypatch.setattr(
+        inspect, "getsource", lambda kind: source(kind).replace("* unknowns", "/ unknowns")
+    )
     with pytest.raises(lf.OutputError, match=r"code of .*Push: sha256"):
         sweep_into(own_study, folder)
 

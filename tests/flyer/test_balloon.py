@@ -136,19 +136,6 @@ def test_emission_is_the_sum_of_its_bounces_and_energy_closes():
     assert float(lost) == pytest.approx(4.0 * np.pi * 9.0 * leaving, rel=1e-12)
 
 
-def test_opaque_closed_envelope_has_nothing_to_do_with_its_inner_face():
-    state = state_at(irradiance=1361.0)
-    opaque = {"transmittance": 0.0, "infrared_transmittance": 0.0}
-    with lf.float64():
-        for emittance in (0.1, 0.9):
-            film = film_of(emittance_bottom=emittance, absorptance_bottom=emittance, **opaque)
-            flyer = lf.Balloon(film, 3.0)
-            assert float(flyer.beam_areas(state)[0]) == pytest.approx(0.5 * np.pi * 9.0, rel=1e-14)
-            lost = float(flyer.heat_losses(state, (0.2,))[0])
-            black = 4.0 * np.pi * 9.0 * SIGMA * 220.0**4
-            assert lost == pytest.approx(0.6 * black * (1.2**4 - 1.0), rel=1e-12)
-
-
 def test_mass_and_description():
     flyer = balloon_of(payload=2.0)
     area = 4.0 * np.pi * 9.0 - np.pi * 0.36

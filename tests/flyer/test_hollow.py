@@ -92,14 +92,6 @@ def test_silhouette_over_all_directions_is_a_quarter_of_the_surface(films, form)
     assert mean == pytest.approx(0.25 * whole, rel=1e-5)
 
 
-def test_cone_from_the_side_and_from_either_end(films):
-    body = make(films, "cone")
-    with lf.float64():
-        seen = np.asarray(body.geometry.silhouette(SIZE, OUTLET, np.array([1.0, 0.0, -1.0])))
-    lid = np.pi * (0.5 * SIZE) ** 2
-    np.testing.assert_allclose(seen, [lid, (0.5 * SIZE + OUTLET) * SIZE, lid], rtol=1e-12)
-
-
 def followed(films, open_fraction, outlet_share, above, within, bounces=3000):
     """Follow light from bounce to bounce through two films and the body, all per area of wall.
 

@@ -85,15 +85,6 @@ def test_first_harmonic_by_the_heat_equation():
     )
 
 
-def test_heat_that_one_half_conducts_to_the_other_is_a_solid_spheres():
-    """k ∂T/∂z = k A/a through the equatorial plane."""
-    flyer, state = sphere_of(emittance=1e-9), state_at()
-    with lf.float64():
-        top, bottom = flyer.heat_losses(state, (0.1, -0.1))
-    assert top == pytest.approx(0.4 * 22.0 / 2e-6 * np.pi * 4e-12, rel=1e-6, abs=0.0)
-    assert bottom == pytest.approx(-top, rel=1e-12, abs=0.0)
-
-
 def test_an_emittance_may_depend_on_temperature():
     curve = lf.film.EmittanceCurve.through(np.full(lf.film.optics.curve.NODES, 0.3))
     state, light = state_at(1.0, 250.0, irradiance=3000.0), lf.Rohatschek1995()

@@ -434,12 +434,6 @@ def test_balance_flow_and_force_against_the_equations_in_numpy(in_balance, index
     assert warm[index] == pytest.approx(expected, rel=1e-8)
 
 
-def test_energy_closes(in_balance):
-    _, found = in_balance
-    lost = found.gas_power + found.radiated_power
-    np.testing.assert_allclose(lost, found.absorbed_power, rtol=1e-10)
-
-
 def test_a_dark_outside_pumps_outward():
     """Gas comes in at the outlet then: it pushes down, and leaves no jet."""
     body = make()
@@ -489,7 +483,6 @@ def answers(x, unknowns=(0.5, 0.2)):
     return jnp.log(jnp.stack([MODEL.force(body, state, unknowns), losses[0]]))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("function", [outcome, answers])
 def test_derivatives_jit_and_vmap(require_derivatives, function):
     require_derivatives(function, POINT, rtol=1e-5, atol=1e-7)

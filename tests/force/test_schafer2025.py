@@ -396,21 +396,6 @@ def test_levitation_never_contradicts_lift():
         assert np.all(lf.lift(flyers, dim, MODEL) < lf.statics.weight(flyers, state))
 
 
-def test_levitation_in_the_dark():
-    """Warmed from below, it needs no light."""
-    state = state_at(3.0, irradiance=0.0, infrared_below=5000.0, infrared_above=0.0)
-    flyer = tree.replace_at(
-        lambda flyer: (flyer.bottom.emittance_bottom, flyer.top.emittance_bottom),
-        make(open_fraction=0.3),
-        (0.8, 0.02),
-    )
-    assert lf.lift(flyer, state, MODEL) > lf.statics.weight(flyer, state)
-    found = lf.levitate(flyer, state, MODEL)
-    assert found.levitates
-    assert found.irradiance == 0.0
-    assert found.temperature == pytest.approx(lf.equilibrium(flyer, state, MODEL).temperature)
-
-
 def test_what_is_outside_the_models_range():
     flyer = make(gap=5e-5, hole_radius=3e-5)
     assert MODEL.diagnostics(flyer, state_at(3.0), 300.0) == ()

@@ -194,16 +194,6 @@ def test_collisions_until_rotation_relaxes():
         CARBON_DIOXIDE.rotational_collision_number(300.0)
 
 
-def test_free_atoms_carry_two_kt_each(disk):
-    cold, hot, pressure = 250.0, 400.0, 1e-4
-    for gas in (ARGON, HELIUM):
-        state = lf.Chamber(temperature=cold, gas=gas).state(pressure)
-        (found,) = lf.FreeMolecular().heat_loss(disk, state, (hot / cold - 1.0,))
-        mass_flux = pressure / np.sqrt(2.0 * np.pi * gas.specific_gas_constant * cold)
-        energy = 2.0 * gas.specific_gas_constant * (hot - cold)
-        assert found == pytest.approx(0.85 * 2.0 * disk.area * mass_flux * energy, rel=1e-12)
-
-
 def test_names_in_flyer_files(flyer_file):
     chamber = '[environment]\nkind = "chamber"\ntemperature = "293 K"\ngas = "{}"\n'
     parts = flyer_file().read_text("utf-8").split("[environment]")

@@ -1,9 +1,10 @@
-"""Mesh, directions and rays: what they integrate is known exactly."""
+"""Mesh, directions, rays and speed integrals: what they integrate is known exactly."""
 
 import os
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from lightflyer.kinetic_theory.disk.operators import Quadrature, kernel_arguments
 from lightflyer.kinetic_theory.grid import kernels as _kernels
@@ -11,6 +12,8 @@ from lightflyer.kinetic_theory.grid.directions import node_directions
 from lightflyer.kinetic_theory.grid.interpolation import bases_at, nodes_in_eta
 from lightflyer.kinetic_theory.grid.mesh import build_mesh, gauss, panel_nodes
 from lightflyer.kinetic_theory.grid.rays import (
+    LARGEST_DEPTH,
+    LOWEST_POWER,
     MOST_CUTS,
     NUMBER,
     cut_ray,
@@ -18,6 +21,7 @@ from lightflyer.kinetic_theory.grid.rays import (
     piece_integrals,
     speed_integral,
     spheroidal,
+    spline_table,
 )
 
 
@@ -168,3 +172,32 @@ def test_rays_end_on_the_reservoir():
         s = exit_length(0.5, 1.0, w, 4.0, 4.0, 4.0)
         end = np.array([0.5, 0.0, 1.0]) + s * w
         assert max(np.hypot(end[0], end[1]), abs(end[2])) == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("power", [1, 4, 8])
+@pytest.mark.parametrize("depth", [0.0, 1e-3, 0.7, 6.0, 59.0])
+def test_integral_is_what_scipy_finds(power, depth):
+    expected = quad(
+        lambda c: c**power * np.exp(-c * c - depth / c), 0.0, 12.0, epsabs=0.0, limit=400
+    )[0]
+    assert speed_integral(power, np.array(depth)) == pytest.approx(expected, rel=1e-10)
+
+
+def test_recurrence_of_abramowitz_and_stegun():
+    z = np.linspace(0.0, 30.0, 50)
+    for p in (4, 6, 8):
+        right = (p - 1) * speed_integral(p - 2, z) + z * speed_integral(p - 3, z)
+        np.testing.assert_allclose(2.0 * speed_integral(p, z), right, rtol=1e-9)
+
+
+def test_spline_table_is_as_exact_between_its_nodes():
+    table, per_unit = spline_table()
+    root = np.random.default_rng(3).uniform(0.0, np.sqrt(LARGEST_DEPTH), 500)
+    root[:20] *= 1e-3  # the first cell, where a logarithm is worst
+    cell = (root * per_unit).astype(int)
+    t = (root - cell / per_unit)[:, None]
+    rows = table[cell]
+    values = ((rows[:, 0] * t + rows[:, 1]) * t + rows[:, 2]) * t + rows[:, 3]
+    for column in range(NUMBER):
+        exact = speed_integral(column + LOWEST_POWER, root**2)
+        np.testing.assert_allclose(values[:, column], exact, atol=4e-10)

@@ -135,12 +135,3 @@ def test_derivatives_are_those_of_finite_differences(require_derivatives):
 
     stresses = [-1.8e7, -2.16e7, 3e8]
     require_derivatives(curls, np.array([*stresses, 0.01]), rtol=1e-4, atol=1e-7)
-
-
-def test_arrays_broadcast():
-    def curvature(stress):
-        coat = Lamina(2e-8, **GERMANIUM, stress=stress)
-        return free_curvature(Laminate([coat, *one().layers]), 300.0)
-
-    found = curvature(np.array([1e8, 2e8]))
-    np.testing.assert_allclose(found, [curvature(1e8), curvature(2e8)], rtol=1e-12)

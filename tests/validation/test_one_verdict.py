@@ -54,7 +54,6 @@ def compared(tmp_path_factory):
     return paths, {one["name"]: one["verdict"] for flyers in found for one in flyers}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_templates(kind, prints, tmp_path, compared):
     path, told = compared[0][kind], compared[1][kind]

@@ -113,7 +113,6 @@ def test_numbers_that_a_planet_lacks_are_asked_for(titan):
         bare.gravity_at(0.0)
 
 
-@pytest.mark.slow
 def test_a_file_has_the_light_of_its_planet_unless_it_states_other(tmp_path):
     """What ``lightflyer predict`` says of a file, with Titan in an installed package."""
     (tmp_path / "titan.py").write_text(TITAN)

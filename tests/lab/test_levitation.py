@@ -286,7 +286,6 @@ def test_kilowatts_and_millitorr_taken_for_others_are_said(truth, rng, propertie
         assert any("check the units" in text for text in levitation_curve(wrong).warnings)
 
 
-@pytest.mark.slow
 def test_points_in_ground_effect_are_left_out_of_the_fit(truth, rng):
     film = FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
     setup = Setup(Disk(film, radius=0.01), Chamber(), Lu2023(0.5, 2.0))

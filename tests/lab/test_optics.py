@@ -19,8 +19,6 @@ from lightflyer.lab.readers.interpretation import MeasuredSpectrum
 from lightflyer.lab.synthetic.spectra import TRUTH, optics_files
 from lightflyer.numerics.residuals import correlation_length
 
-pytestmark = pytest.mark.slow
-
 TRUE = np.array([TRUTH["germanium"], TRUTH["porosity"], TRUTH["mylar"]])
 
 

@@ -152,7 +152,6 @@ def layered(path, **given):
     return {"layers": [layer], **TACS, **given}
 
 
-@pytest.mark.slow
 def test_missing_optical_data_are_in_the_band(tmp_path):
     """Truth: the same material with data for all wavelengths, and the film at its bounds."""
     short, whole = (index_csv(tmp_path / f"{end}.csv", end) for end in (3, 2000))
@@ -206,7 +205,6 @@ def test_one_material_has_one_error():
     assert found.first_order["at[0].lift_n"] == pytest.approx(0.0, abs=1e-15)
 
 
-@pytest.mark.slow
 def test_thicknesses_go_through_to_flight():
     """Against the flyer whose film is computed from the other thickness."""
     layers = [{"material": "Ge", "thickness": "20 ± 1 nm"},
@@ -250,7 +248,6 @@ def test_covered_is_where_nothing_is_said_to_be_outside(model, radius, film):
         assert found.at["covered"].tolist() == [0.0 if outside else 1.0], (altitude, said)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("key", ["areal_density", "altitude", "diameter"])
 def test_designs_are_diagnosed_together_as_one_by_one(key):
     """Such as fly nowhere, get too hot, are given a place, or differ in nothing."""

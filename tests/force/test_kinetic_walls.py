@@ -13,7 +13,6 @@ from lightflyer.files.table import shipped_table
 from lightflyer.force.kinetic import walls as kinetic_walls
 from lightflyer.force.kinetic.ratios import kinetic_fit
 from lightflyer.force.kinetic.walls import sharing_factor, wall_fit
-from lightflyer.kinetic_theory.walls import normal_accommodation
 from lightflyer.prediction.prediction import Prediction
 
 COLD, EXCESS = 205.0, 1.34
@@ -26,37 +25,6 @@ ONE_ERROR = ({"force_error": 1.0, "heat_error": 1.0}, {"wall_error": 1.0})
 def state_at(knudsen, gas=lf.gas.AIR):
     pressure = lf.gas.mean_free_path(1.0, COLD, gas) / (0.02 * knudsen)
     return lf.environment.EnvironmentState(pressure, COLD, 9.6, gas, lf.environment.Radiation())
-
-
-def scattered(rng, normal, tangential):
-    """What a wall of Cercignani and Lampis at 1 + EXCESS makes of molecules of temperature 1.
-
-    In units of the thermal speed √(2RT) of the wall each velocity component in the plane is normal
-    about its specular value times 1 − σ; the normal speed is the length of a vector in a plane,
-    one component of which is moved by √(1 − α) times the speed that arrives.
-    """
-    hot = 1.0 + EXCESS
-    arriving = np.sqrt(-np.log(rng.random(1_000_000)) / hot)
-    spread = np.sqrt(normal * -np.log(rng.random(arriving.size)))
-    angle = 2.0 * np.pi * rng.random(arriving.size)
-    shift = np.sqrt(1.0 - normal) * arriving
-    leaving = np.hypot(spread * np.cos(angle) + shift, spread * np.sin(angle))
-    of_plane = tangential * (2.0 - tangential)
-    sideways = (1.0 - tangential) * rng.normal(size=arriving.size) * np.sqrt(0.5 / hot)
-    sideways += np.sqrt(0.5 * of_plane) * rng.normal(size=arriving.size)
-    return np.sqrt(hot) * leaving, np.sqrt(hot) * sideways
-
-
-def test_law_of_cercignani_and_lampis_is_what_their_wall_does(rng):
-    """Momentum and energy of molecules that a wall scatters, one by one."""
-    tac, tangential = 0.8, 0.7
-    normal = float(normal_accommodation(tac, tangential))
-    leaving, sideways = scattered(rng, normal, tangential)
-    # momentum over that of as many molecules at temperature 1, less 1
-    recoil = leaving.mean() / (0.5 * np.sqrt(np.pi)) - 1.0
-    assert recoil == pytest.approx(np.sqrt(1.0 + normal * EXCESS) - 1.0, abs=2e-3)
-    energy = np.mean(leaving**2) + 2.0 * np.mean(sideways**2)  # of two directions in the plane
-    assert (energy - 2.0) / (2.0 * EXCESS) == pytest.approx(tac, abs=2e-3)
 
 
 def test_thin_gas_gives_the_free_molecules_of_each_wall(disk):

@@ -9,7 +9,6 @@ from scipy.optimize import fsolve
 
 import lightflyer as lf
 from lightflyer.array import tree
-from lightflyer.force.laws.gap import accommodation_between, gap_conductance
 from lightflyer.force.membranes.sandwich import internal_factors, perforated_disk_fit, rarefaction
 from lightflyer.statics.equations import FlightEquations
 
@@ -188,37 +187,6 @@ def test_force_keeps_its_digits_at_microkelvins():
     assert small == pytest.approx(smaller, rel=1e-7)
 
 
-def test_gas_in_the_gap():
-    """Between a temperature jump at each wall, with its textbook coefficient."""
-    air, area, gap = lf.gas.US1976_AIR, 2.0, 1e-4
-    temperature, tac = 250.0, 0.8
-    conductivity, viscosity = air.conductivity(temperature), air.viscosity(temperature)
-    prandtl = viscosity * air.heat_capacity(temperature) / conductivity
-    jump = (2.0 - tac) / tac * 2.0 * 1.4 / (2.4 * prandtl)
-    for pressure in (1e-2, 1.0, 30.0, 1e3, 1e5):
-        path = lf.gas.mean_free_path(pressure, temperature, air)
-        expected = area * temperature * conductivity / (gap + 2.0 * jump * path)
-        with lf.float64():
-            found = gap_conductance(
-                area,
-                gap,
-                accommodation_between(tac, tac),
-                pressure=pressure,
-                temperature=temperature,
-                mean_speed=air.mean_speed(temperature),
-                heat_capacity_ratio=1.4,
-                conductivity=conductivity,
-            )
-        assert float(found) == pytest.approx(expected, rel=1e-12)
-    # free molecules between walls of α: ((γ+1)/(γ−1)) v̄ p/(8T) α/(2−α) per kelvin
-    free = 6.0 * air.mean_speed(250.0) * 1e-4 / (8.0 * 250.0) * tac / (2.0 - tac)
-    state = state_at(1e-4, 250.0)
-    between = MODEL.heat_loss(_plain(1e-4, tac), state, (0.0, 0.1))[0]
-    without = MODEL.heat_loss(_plain(1e-4, 1e-15), state, (0.0, 0.1))[0]
-    solid = 0.5 * np.pi * 0.01**2
-    assert without - between == pytest.approx(solid * free * 25.0, rel=1e-4)
-
-
 @pytest.mark.parametrize("beta", [0.0, 0.3, 0.9])
 def test_wide_gap_gives_the_free_molecules_of_two_sheets(beta):
     """Through a hole one sees the other membrane, s of the area, or the sky beyond."""
@@ -243,11 +211,6 @@ def test_wide_gap_is_weaker_than_aligned_holes_in_dense_gas_too():
     aligned, wide = (model.force(flyer, state, (0.0, 0.2)) for model in (MODEL, WIDE))
     # 0.25/0.5 of the drive, and at most as much resistance to the flow as with a third open
     assert 0.3 * aligned < wide < 0.5 * aligned
-
-
-def _plain(gap, tac):
-    film = lf.FilmProperties(3e-4, 0.5, 0.1, 0.1, tac, tac)
-    return lf.Sandwich(film, film, 0.01, gap, 0.5, 3e-5, 0.0, 1.8)
 
 
 def test_only_inner_faces_have_an_accommodation_coefficient():

@@ -1,5 +1,6 @@
 """Flyer files of every kind: what they become, and their mistakes."""
 
+import operator
 import re
 
 import jax
@@ -59,40 +60,69 @@ def read(flyer_file):
     return reading
 
 
-def test_file_becomes_a_balloon_with_its_model(read):
-    file = read("balloon")
-    setup = file.build()
-    flyer = setup.flyer
-    assert isinstance(flyer, lf.Balloon)
-    assert isinstance(setup.model, lf.BalloonConvection)
-    assert (flyer.radius, flyer.opening_radius) == (2.9, 0.3)
-    assert flyer.molar_mass == pytest.approx(4.0026e-3, rel=1e-6)
-    assert (flyer.gas_mass, flyer.film_strength) == (None, None)
-    assert {"flyer.payload", "force.convection_error"} <= set(file.uncertainties())
-    assert {"flyer.diameter", "flyer.opening_diameter", "film.absorptance"} <= set(
-        file.design().quantities
-    )
+OWN = {  # numbers of the flyer and the uncertainties of its file, the model's own among them
+    "balloon": (
+        lf.BalloonConvection,
+        {"radius": 2.9, "opening_radius": 0.3, "molar_mass": 4.0026e-3, "payload": 1.0},
+        {"flyer.payload": 0.1, "force.convection_error": 1.0},
+    ),
+    "hollow": (
+        lf.HollowPump,
+        {"size": 0.1, "outlet_radius": 0.02, "channel_width": 8e-4, "channel_aspect": 10.0,
+         "sheet_density": 3e3},
+        {f"force.{name}_error": 1.0 for name in ("wall", "outlet", "force", "heat")},
+    ),
+    "plate": (
+        lf.ChannelPump,
+        {"radius": 4e-3, "height": 5e-5},
+        {"force.force_error": 1.0, "force.heat_error": 1.0},
+    ),
+    "sandwich": (
+        lf.Schafer2025,
+        {"radius": 0.01, "gap": 125e-6, "hole_radius": 70e-6, "support_density": 3e3,
+         "top.emittance_bottom": 0.15, "bottom.emittance_bottom": 0.1, "top.transmittance": 0.9},
+        {"flyer.top.emittance_bottom": 0.02, "force.force_error": 1.0},
+    ),
+    "sphere": (
+        lf.KineticSphere,
+        {"radius": 5e-7, "mass_offset": 5e-8},
+        {"flyer.diameter": 1e-7, "force.force_error": 1.0},
+    ),
+}  # fmt: skip
 
 
-def test_file_becomes_a_hollow_body_with_its_model(read):
-    file = read("hollow", "absorptance = 0.9 ", 'absorptance = "0.9 ± 0.05" ')
+@pytest.mark.parametrize("kind", OWN)
+def test_file_becomes_a_flyer_with_its_model(read, kind):
+    model, numbers, uncertain = OWN[kind]
+    file = read(kind)
     setup = file.build()
-    body = setup.flyer
-    assert isinstance(body, lf.HollowBody)
-    assert isinstance(setup.model, lf.HollowPump)
-    assert body.form == "cone"
-    assert (body.size, body.outlet_radius, body.channel_width) == pytest.approx((0.1, 0.02, 8e-4))
-    assert body.channel_aspect == 10.0
-    assert body.sheet_density == pytest.approx(3e3)
-    assert file.uncertainties() == {  # that of the file, and the model's own
-        "flyer.inner.absorptance": pytest.approx(0.05),
-        **{f"force.{name}_error": 1.0 for name in ("wall", "outlet", "force", "heat")},
-    }
-    moved = file.design().build(
-        {"flyer.outlet_diameter": 0.05, "flyer.inner.emittance_bottom": 0.3}
-    )
-    assert moved.flyer.outlet_radius == 0.025
-    assert moved.flyer.inner.emittance_bottom == 0.3
+    assert type(setup.model) is model
+    assert isinstance(setup.flyer, model.flyers)
+    found = {name: operator.attrgetter(name)(setup.flyer) for name in numbers}
+    assert found == pytest.approx(numbers, rel=1e-6, abs=0.0)
+    assert file.uncertainties() == pytest.approx(uncertain)
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers", "moved"),
+    [
+        ("balloon", {"flyer.opening_diameter": 0.8}, {"opening_radius": 0.4}),
+        ("hollow", {"flyer.outlet_diameter": 0.05, "flyer.inner.emittance_bottom": 0.3},
+         {"outlet_radius": 0.025, "inner.emittance_bottom": 0.3}),
+        ("plate", {"flyer.spacing": 1e-4, "flyer.top.tac_top": 0.5},
+         {"spacing": 1e-4, "top.tac_top": 0.5}),
+        ("sandwich", {"flyer.bottom.emittance": 0.3, "flyer.top.tac_bottom": 0.5},
+         {"bottom.emittance_top": 0.3, "bottom.emittance_bottom": 0.3, "top.tac_bottom": 0.5}),
+        ("sphere", {"flyer.absorption_efficiency": 0.9, "flyer.mass_offset": 1e-8},
+         {"absorption_efficiency": 0.9, "mass_offset": 1e-8}),
+    ],
+)  # fmt: skip
+def test_numbers_of_a_file_have_names_that_a_study_moves(read, kind, numbers, moved):
+    design = read(kind).design()
+    assert set(numbers) <= set(design.quantities)
+    assert not any("correlation" in name for name in design.quantities)
+    flyer = design.build(numbers).flyer
+    assert {name: operator.attrgetter(name)(flyer) for name in moved} == moved
 
 
 @pytest.mark.parametrize(
@@ -105,56 +135,6 @@ def test_force_section(read, model, kind):
     if kind is lf.HollowPump:
         off = [name for name, on in built.corrections._asdict().items() if not on]
         assert off == ["viscous_outlet"]
-
-
-def test_file_becomes_a_plate_with_its_model(read):
-    file = read("plate", "absorptance = 0.9 ", 'absorptance = "0.9 ± 0.05" ')
-    setup = file.build()
-    assert isinstance(setup.flyer, lf.Plate)
-    assert isinstance(setup.model, lf.ChannelPump)
-    assert (setup.flyer.radius, setup.flyer.height) == pytest.approx((4e-3, 5e-5))
-    assert setup.flyer.areal_density is None
-    assert file.uncertainties() == {  # that of the file, and the model's own
-        "flyer.bottom.absorptance": pytest.approx(0.05),
-        "force.force_error": 1.0,
-        "force.heat_error": 1.0,
-    }
-    moved = file.design().build({"flyer.spacing": 1e-4, "flyer.top.tac_top": 0.5}).flyer
-    assert (moved.spacing, moved.top.tac_top) == (1e-4, 0.5)
-
-
-def test_file_becomes_a_sandwich_with_its_model(read):
-    """Numbers of both films have names."""
-    file = read("sandwich")
-    setup, design = file.build(), file.design()
-    flyer = setup.flyer
-    assert isinstance(flyer, lf.Sandwich)
-    assert isinstance(setup.model, lf.Schafer2025)
-    assert (flyer.radius, flyer.gap, flyer.hole_radius) == pytest.approx((0.01, 125e-6, 70e-6))
-    assert (flyer.top.emittance_bottom, flyer.bottom.emittance_bottom) == (0.15, 0.1)
-    assert flyer.top.transmittance == 0.9
-    assert flyer.attitude is None
-    assert flyer.support_density == pytest.approx(3e3)
-    stated = {"flyer.top.emittance_bottom": pytest.approx(0.02), "force.force_error": 1.0}
-    assert file.uncertainties() == stated
-    assert {"flyer.gap", "flyer.bottom.absorptance", "flyer.top.tac_bottom"} <= set(
-        design.quantities
-    )
-    assert "flyer.top.tac_correlation" not in design.quantities
-    moved = design.build({"flyer.bottom.emittance": 0.3, "flyer.top.tac_bottom": 0.5}).flyer
-    assert (moved.bottom.emittance_top, moved.bottom.emittance_bottom) == (0.3, 0.3)
-    assert (moved.top.tac_bottom, moved.top.emittance_bottom) == (0.5, 0.15)
-
-
-def test_file_becomes_a_sphere_with_its_model(read):
-    file = read("sphere")
-    setup = file.build()
-    flyer = setup.flyer
-    assert isinstance(flyer, lf.Sphere)
-    assert (flyer.radius, flyer.mass_offset) == pytest.approx((5e-7, 5e-8), rel=1e-12, abs=0.0)
-    assert (flyer.tac_bottom, flyer.asymmetry, flyer.body_mass) == (None, None, None)
-    assert {"flyer.diameter", "force.force_error"} <= set(file.uncertainties())
-    assert {"flyer.absorption_efficiency", "flyer.mass_offset"} <= set(file.design().quantities)
 
 
 def test_a_beam_from_below_is_for_spheres(read, film_section):

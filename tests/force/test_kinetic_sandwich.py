@@ -118,20 +118,6 @@ def test_no_force_in_an_isothermal_world():
             assert abs(lf.lift(flyer, state, model)) <= 1e-12 * pressure * flyer.area
 
 
-def test_turned_over_the_force_is_reversed():
-    state = state_at(10.0)
-    up = ALIGNED.force(make((0.7, 0.9)), state, (0.1, 0.5))
-    down = ALIGNED.force(make((0.9, 0.7)), state, (0.5, 0.1))
-    assert up == pytest.approx(-down, rel=1e-12)
-
-
-def test_outer_faces_count():
-    """A bottom that accommodates better is pushed up, even if both faces are as warm."""
-    state = state_at(10.0)
-    assert ALIGNED.force(make((0.8, 0.8)), state, (0.3, 0.3)) == 0.0
-    assert ALIGNED.force(make((0.7, 0.9)), state, (0.3, 0.3)) > 0.0
-
-
 @pytest.mark.parametrize("gas", ["diatomic", "monatomic"])
 def test_fit_follows_the_table(gas):
     table = table_of("kinetic_sandwich", gas)

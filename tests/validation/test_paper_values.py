@@ -97,11 +97,3 @@ def test_coefficients_of_the_atmosphere_round_to_the_printed_ones():
     # three digits are not enough above 20 km
     inverse = np.polyval(PRINTED_COEFFICIENTS, [25.0, 70.0])
     np.testing.assert_allclose(1.0 / inverse, [170.0, 0.5], rtol=0.1)
-
-
-def test_equation_13_as_printed_gives_no_air():
-    """The errata's numbers: heat capacity at 300 K as printed and as corrected [J/(kg K)]."""
-    temperature = 300.0 ** np.arange(4)
-    printed = [28.11, 1.956e-3, 4.802e-5, -1.966e-9] @ temperature * 1000.0 / 28.97
-    assert printed == pytest.approx(1138.0, abs=0.5)
-    assert lf.gas.LU2023_AIR.heat_capacity(300.0) == pytest.approx(1004.0, abs=0.5)

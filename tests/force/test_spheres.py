@@ -241,6 +241,20 @@ def test_heat_in_both_limits():
     assert uneven[1] == pytest.approx(-uneven[0], rel=1e-12, abs=0.0)
 
 
+@pytest.mark.parametrize(("pressure", "temperature"), [(101325.0, 288.15), (5475.0, 216.65)])
+def test_sinking_in_air_by_cunninghams_law(pressure, temperature):
+    """Of solid spheres by Allen and Raabe (1985): C = 1 + Kn (1.142 + 0.558 exp(-0.999/Kn))."""
+    flyer = sphere_of(radius=1.2e-6, tac_top=1.0, tac_bottom=None)
+    state = state_at(pressure, temperature)
+    speed = float(lf.statics.sinking_speed(flyer, state))
+    path = float(lf.gas.mean_free_path(state.pressure, state.temperature, GAS))
+    kn = path / flyer.radius
+    slip = 1.0 + kn * (1.142 + 0.558 * np.exp(-0.999 / kn))
+    drag = 6.0 * np.pi * float(GAS.viscosity(state.temperature)) * flyer.radius / slip
+    weight = float(lf.statics.weight(flyer, state))
+    assert speed == pytest.approx(weight / drag, rel=0.03, abs=0.0)
+
+
 # --- through the package ---
 
 POINT = np.array([2e-6, 0.8, 0.3, 0.4, 0.8, 0.9, 1500.0, 0.2, 1e-7, 300.0, 222.0, 1300.0, 0.3])

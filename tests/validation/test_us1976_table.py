@@ -225,3 +225,11 @@ def test_every_hundred_metres_against_ambiance():
     np.testing.assert_allclose(
         atmosphere.mean_free_path(altitudes), mean_free_path, rtol=2 * TOLERANCE
     )
+
+
+def test_kinetic_differs_from_molecular_scale_temperature_above_80_km():
+    # fluids gives the molecular-scale temperature; the ratio of table 8 turns it into kinetic
+    for altitude, ratio in ((83e3, 0.999870), (85e3, 0.999694), (86e3, 0.999579)):
+        molecular_scale = fluids.atmosphere.ATMOSPHERE_1976(altitude).T
+        found = lf.environment.US1976().temperature(altitude)
+        assert found == pytest.approx(molecular_scale * ratio, rel=1e-6)

@@ -112,7 +112,7 @@ def fly(run, folder):
 def test_what_a_rocket_lets_go_lands(fly, folder):
     out = folder / "landed"
     changes = (
-        ('altitude = "75 ± 0.2 km"', 'altitude = "1.4 ± 0.02 km"'),
+        ('altitude = "75 ± 0.2 km"', 'altitude = "1.4 ± 0.02 km"'), ('"30 h"', '"6 h"'),
         ('[mission.launches]\nevery = "6 h"\ncount = 2\n', ""),
         ("members = 6", 'members = 25\nvelocity_uncertainty = "2 m/s"'),
         ("[flyer]", '[mission.release]\neast = "50 m/s"\n\n[mission.landing]\nobjects = 1000\n'

@@ -136,8 +136,8 @@ def attack(address, count, draw):
 
 
 def settle(address, thickness):
-    """Wait until all designs of many layers are done: they take turns."""
-    content, end = {"document": layered(40, thickness)}, time.monotonic() + PATIENCE
+    """Wait until all designs of many layers are done: they take turns, as one of eight does."""
+    content, end = {"document": layered(8, thickness)}, time.monotonic() + PATIENCE
     for path in ("/api/predict", "/api/job/map"):  # in vain by others, who do not wait for them
         while send(address, path, content, wait=PATIENCE)[0] != 200:
             assert time.monotonic() < end, "the explorer has not settled"

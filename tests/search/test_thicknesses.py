@@ -37,7 +37,7 @@ STUDY = """
 flyer = "flyer.toml"
 [optimise]
 maximise = "payload"
-starts = 2
+starts = 1
 [optimise.over]
 altitude = "75 km"
 [optimise.stacks]
@@ -71,6 +71,7 @@ def flyer(folder):
 def best(folder):
     with pytest.MonkeyPatch.context() as patch:  # few films to begin with
         patch.setattr(local_search, "POINTS", 16)
+        patch.setattr(local_search, "_STARTS", 1)
         patch.setattr(optimiser, "SCREENED_FILMS", 32)
         patch.setattr(objectives, "SAMPLES", 128)
         return lf.optimise(lf.search.read_problem(folder / "study.toml"))

@@ -183,7 +183,6 @@ def fit():
     return lf.calibrate(SETUP, points=Points("synthetic.csv", samples, numbers))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("style", STYLES)
 def test_nine_samples_are_told_apart(fit, style):
     with drawing.use_style(style):

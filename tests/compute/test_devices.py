@@ -52,7 +52,6 @@ def on_several(program):
     return json.loads(run.stdout)
 
 
-@pytest.mark.slow
 def test_several_devices_find_what_numpy_does():
     answer = on_several(PROGRAM)
     assert answer["parts"] == DEVICES
@@ -78,7 +77,6 @@ def test_an_unknown_device_names_those_there_are():
         find_devices("tpu")
 
 
-@pytest.mark.slow
 def test_a_sweep_on_gpus_is_that_of_processors(monkeypatch, film):
     """With processors in the place of GPUs."""
     made = lf.Disk(film, radius=0.01), lf.lu2023_earth(), lf.Lu2023()

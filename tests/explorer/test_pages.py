@@ -66,7 +66,6 @@ def test_lines_of_python_give_the_same(workplace, document, capsys):
     )
 
 
-@pytest.mark.slow
 def test_downloads_hold_the_prediction(workplace, uncertain):
     prediction = prediction_of(workplace.design(uncertain))
     table = download("csv", workplace, uncertain, Choices()).content.decode()
@@ -217,7 +216,6 @@ def named(content):
             yield from named(part)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("logarithmic", [False, True])
 def test_figures_have_what_data_are_put_into(workplace, uncertain, logarithmic, monkeypatch):
     monkeypatch.setattr(jobs, "models_for", lambda _: ["lu2023", "free-molecular"])
@@ -286,7 +284,6 @@ def test_results_at_a_place(workplace, document):
         assert "figures" in told
 
 
-@pytest.mark.slow
 def test_film_of_layers_shows_the_share_of_sunlight_that_it_absorbs(workplace, document):
     layers = [{"material": "Al", "thickness": "30 nm"}]
     document["film"] = {

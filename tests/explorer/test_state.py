@@ -245,7 +245,6 @@ def test_grammar_is_plain_json():
     assert json.loads(json.dumps(described)) == described
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "changes", "unit"),
     [
@@ -261,7 +260,6 @@ def test_other_kinds_have_a_map(name, changes, unit, workplace):
     assert unit in found["words"]
 
 
-@pytest.mark.slow
 def test_a_map_ends_where_no_flyer_can_be_built(workplace):
     found = payload_map(workplace, DOCUMENTS["hollow"], Choices("flyer.size"))
     outlet = 8.0  # cm, of the template

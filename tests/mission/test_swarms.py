@@ -15,8 +15,6 @@ from lightflyer.mission.report.landing import binomial_interval
 from lightflyer.mission.swarms import spreading
 from lightflyer.mission.swarms.tethers import _Layer
 
-pytestmark = pytest.mark.slow
-
 RADIUS = 6.371e6
 FILM = lf.FilmProperties(1e-3, 0.75, 0.08, 0.08, tac_top=0.8, tac_bottom=0.9)
 HOURS, WIND, MEMBERS = 6.0, 15.0, 45

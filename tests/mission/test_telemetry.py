@@ -91,7 +91,6 @@ noise_temperature = "300 K"
 """
 
 
-@pytest.mark.slow
 def test_a_mission_tells_its_passes(write, tmp_path):
     text = templates()["mission"].read() + MISSION
     shorter = ('duration = "48 h"', 'duration = "3 h"')

@@ -138,7 +138,6 @@ def test_air_that_turns_as_a_whole_carries_along_a_circle(flown):
     np.testing.assert_allclose(latitudes, latitudes[0], atol=1e-8)
 
 
-@pytest.mark.slow
 def test_velocity_and_temperature_follow_at_once(isothermal_air, closed_form_disk):
     """A flight of half an hour through sunset."""
     disk, begin, duration = closed_form_disk(5e-3, inertia=0.0), 835_077_800.0, 1800.0

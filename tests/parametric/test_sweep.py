@@ -48,7 +48,6 @@ def table(flyer, over):
     return lf.sweep(flyer, over=over, outputs=POINT_OUTPUTS)
 
 
-@pytest.mark.slow
 def test_numpy_gives_what_a_compiled_sweep_gives(flyer, over, table, monkeypatch):
     monkeypatch.setattr("lightflyer.compute.evaluation.FEW", 0)
     compiled = lf.sweep(flyer, over=over, outputs=POINT_OUTPUTS)

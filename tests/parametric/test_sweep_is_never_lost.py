@@ -339,7 +339,6 @@ def test_a_worker_that_hangs_is_not_waited_for(cluster, study, tmp_path, monkeyp
     assert not (tmp_path / "x.zarr").exists()
 
 
-@pytest.mark.slow
 def test_results_come_back_where_workers_do_not_see_the_folder(cluster, study, tmp_path):
     folder, here = tmp_path / "results.zarr", tmp_path / "here.zarr"
     cloudpickle.register_pickle_by_value(sys.modules[__name__])

@@ -8,7 +8,6 @@ import xarray as xr
 from lightflyer.config.reader import read_flyer_file
 
 
-@pytest.mark.slow
 def test_points_to_record_with_model_and_calibration(examples, lab_prints):
     folder = examples("levitation")
     lf_file = folder / "flyer.toml"

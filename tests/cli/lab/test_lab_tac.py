@@ -71,7 +71,6 @@ def test_several_runs_are_averaged_and_written_into_a_flyer_file(examples, lab_p
     assert "measured: lab tac, kinetic reading, in air, tac-raw.csv, tac-reduced.txt, " in text
 
 
-@pytest.mark.slow
 def test_both_faces_are_written_with_their_correlation(examples, lab_prints, flyer_file):
     folder = examples("tac")
     path = flyer_file(*KINETIC_FORCE)

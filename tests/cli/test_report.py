@@ -103,7 +103,9 @@ def test_the_page_opens_with_what_was_found(run, points, tmp_path):
     ("measurement", "arguments", "opening"),
     [
         ("tac", ("tac-reduced.txt",), "TAC α 0.7"),
+        ("thermography", ("thermal.csv", "--band", "7.5-14 um"), "reflectance 0.1"),
         ("ftir", ("film.csv",), "emissivity at most 0.1"),
+        ("roughness", ("germanium.txt",), "rms height Sq 34."),
     ],
 )
 def test_reports_of_the_lab_open_with_what_was_measured(

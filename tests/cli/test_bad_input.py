@@ -82,10 +82,12 @@ FLYERS = [
     ("chamber", '"293 K"', '"1e6 K"', "must be at most"),
     ("layers", GE, 'material = "Gee", thickness = "20 nm"', "did you mean Ge"),
     ("layers", GE, 'material = "Ge"', "needs thickness"),
+    ("layers", GE, 'material = "Ge", thicknes = "20 nm"', 'did you mean "thickness"'),
     ("layers", GE, 'thickness = "20 nm"', "give one of material"),
     ("layers", GE, 'material = "no.csv", thickness = "20 nm"', "cannot be read: No such file"),
     ("layers", GE, 'material = 3, thickness = "20 nm"', "is not a text in quotes"),
     ("layers", 'spectrum = "AM0"', 'spectrum = "none.csv"', "cannot be read"),
+    ("sandwich", "[flyer.top]", "[flyer.topp]", 'did you mean "top"'),
     ("ligaments", '"100 nm"', '"100 um"', "no room for their walls"),
     ("balloon", "[flyer]", '[flyer]\nenvelope = "paper"', "envelope is not a key"),
 ]  # fmt: skip

@@ -120,7 +120,7 @@ def test_a_file_has_the_light_of_its_planet_unless_it_states_other(tmp_path):
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: titan\nVersion: 1.0\n")
     (about / "entry_points.txt").write_text("[lightflyer]\ntitan = titan\n")
-    environment = "irradiance = '12 W/m^2'\naltitude_max = '400 km'"
+    environment = "albedo = 0.2\naltitude_max = '400 km'"
     (tmp_path / "flyer.toml").write_text(FILE.format(environment))
     path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
     run = subprocess.run(
@@ -132,8 +132,8 @@ def test_a_file_has_the_light_of_its_planet_unless_it_states_other(tmp_path):
     )
     assert run.returncode == 0, run.stderr
     light, reflected, infrared, *_ = json.loads(run.stdout)["assumptions"]
-    assert light.startswith("light: 12 W/m²")
-    assert "0.26 of it (albedo)" in reflected
+    assert light.startswith("light: 14.8 W/m²")
+    assert "0.2 of it (albedo)" in reflected
     assert "from below 2.3 W/m²" in infrared
 
 

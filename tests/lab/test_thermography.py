@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from scipy import optimize, stats
+from uncertainties import ufloat
 
 import lightflyer as lf
 from lightflyer.core.units import Measured
@@ -55,6 +56,18 @@ TEMPERATURES = {
     "upper_temperature": Measured(403.15, 0.6),
     "ambient_temperature": Measured(295.15, 0.3),
 }
+
+
+def test_first_order_equals_an_independent_propagation():
+    hot, low, up, cold = (ufloat(*one) for one in TEMPERATURES.values())
+    reflectance = (low**4 - cold**4) / (hot**4 - cold**4)
+    transmittance = (up**4 - cold**4) / (hot**4 - cold**4)
+    expected = (reflectance, transmittance, 1 - transmittance - reflectance)
+    found = reduce_readings(given_readings(TEMPERATURES, THERMAL, scene=TOTAL)).first_order
+    for one, other in zip(found.values(), expected, strict=True):
+        assert one.value == pytest.approx(other.nominal_value, rel=1e-12)
+        assert one.uncertainty == pytest.approx(other.std_dev, rel=1e-9)
+        assert one.interval[1] - one.value == pytest.approx(1.959964 * other.std_dev, rel=1e-6)
 
 
 def test_a_camera_is_not_the_fourth_power():

@@ -1,10 +1,10 @@
 """Calibration, against finite differences of the model, SciPy's minimiser and known truths."""
 
 import re
-from dataclasses import replace
 from importlib import resources
 from typing import ClassVar
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy import stats
@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 import lightflyer as lf
 from lightflyer.calibration import Points
 from lightflyer.calibration.inputs import target_of
-from lightflyer.core.quantity import Coefficient, Length
+from lightflyer.core.quantity import Coefficient, Conductivity, Length, Mass
 
 TRUTH = np.array([0.4, 3.0])
 PRESSURE = np.tile(np.geomspace(1.5, 25.0, 7), 2)
@@ -413,17 +413,58 @@ def test_a_users_own_model(film):
     assert fit.setup.model.weakness == pytest.approx(0.8, rel=1e-6)
 
 
+class Plates(lf.AbstractFlyer):
+    """A flyer of a user's own: two plates, of which the lower absorbs the light."""
+
+    nodes: ClassVar = ("top", "bottom")
+    radius: Length
+    conductance: Conductivity
+    payload: Mass = 0.0
+    attitude: lf.environment.Attitude | None = None
+
+    @property
+    def area(self):
+        return jnp.pi * self.radius**2
+
+    @property
+    def own_mass(self):
+        return 1e-3 * self.area
+
+    def beam_areas(self, state):
+        return 0.1 * self.area, 0.6 * self.area
+
+    def heat_gains(self, state):
+        return 0.0 * state.temperature, 0.0 * state.temperature
+
+    def heat_losses(self, state, unknowns):
+        top, bottom = unknowns
+        exchanged = self.conductance * self.area * state.temperature * (bottom - top)
+        return -exchanged, exchanged
+
+    def describe(self):
+        return "two plates"
+
+
+class Push(lf.AbstractForceModel):
+    flyers: ClassVar = (Plates,)
+
+    def heat_loss(self, flyer, state, unknowns):
+        return tuple(30.0 * flyer.area * state.pressure * excess for excess in unknowns)
+
+    def force(self, flyer, state, unknowns):
+        top, bottom = unknowns
+        return 0.25 * flyer.area * state.pressure * (bottom - top)
+
+
 def test_a_flyer_of_two_temperatures():
-    template = resources.files("lightflyer") / "data" / "flyer-sandwich.toml"
-    with resources.as_file(template) as path:
-        flyer = lf.read_flyer_file(path).build().flyer
-    pressure, model = np.geomspace(3.0, 20.0, 8), lf.Schafer2025()
-    made = replace(flyer, support_conductivity=2.4)
-    light = lf.levitate(made, CHAMBER.state(pressure), model).irradiance
-    data = Points("made", ["sandwich"] * 8, {"pressure": pressure, "irradiance": light})
-    free = ["support_conductivity"]
-    fit = lf.calibrate(flyer, CHAMBER, model, points=data, free=free, **EXACT)
-    assert fit.values == pytest.approx([2.4], rel=1e-6)
+    diameter, pressure = np.repeat([0.02, 0.03], 4), np.tile(np.geomspace(0.5, 5.0, 4), 2)
+    # both balances are linear: what light makes of the difference of the temperatures
+    split = (0.6 - 0.1) / (30.0 * pressure + 2 * 0.3 * CHAMBER.temperature)
+    light = 1e-3 * 9.80665 / (0.25 * pressure * split)
+    numbers = {"pressure": pressure, "irradiance": light, "diameter": diameter}
+    data = Points("own", ["plates"] * 8, numbers)
+    fit = lf.calibrate(Plates(0.01, 0.2), CHAMBER, Push(), points=data, free=["flyer.conductance"])
+    assert fit.values == pytest.approx([0.3], rel=1e-6)
 
 
 def test_payload_counts(setup):

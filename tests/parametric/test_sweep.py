@@ -195,6 +195,12 @@ def test_designs_whose_numbers_contradict_each_other_have_no_value(flyer, few, m
     lift = lf.sweep(flyer, over=over, outputs=["lift"]).lift.squeeze()
     within = np.greater.outer(0.5 * size, 0.4 * size)  # the circle from which a payload hangs
     np.testing.assert_array_equal(np.isfinite(lift), within)
+    shares = [0.2, 0.5, 0.7]  # of a film: what it absorbs and what passes
+    over = {"film.absorptance": shares, "film.transmittance": shares, "altitude": ["70 km"]}
+    of_object = {f"flyer.{name}" if "film" in name else name: axis for name, axis in over.items()}
+    for what, axes in ((flyer, over), (flyer.build(), of_object)):
+        lift = lf.sweep(what, over=axes, outputs=["lift"]).lift.squeeze()
+        np.testing.assert_array_equal(np.isfinite(lift), np.add.outer(shares, shares) <= 1.0)
 
 
 def test_bands_over_diameter(flyer):

@@ -494,9 +494,9 @@ def _parameters(rule: Callable[..., Any]) -> tuple[str, ...]:
 
 
 def require_possible(part: Any) -> None:
-    """Check a record and all records in it again, as where numbers of it were replaced."""
+    """Check a new record and all records in it again, as where numbers of it were replaced."""
     for kind in type(part).__mro__:
-        check = vars(kind).get("__check_init__")
+        check = vars(kind).get("__blank_init__" if call.blanks else "__check_init__")
         if check is not None:
             check(part)
     for one in dataclasses.fields(part):

@@ -21,11 +21,18 @@ from typing import Any, NamedTuple, Protocol, cast
 import numpy as np
 
 from lightflyer.array import tree
-from lightflyer.array.namespace import Numeric
+from lightflyer.array.namespace import Numeric, call
 from lightflyer.array.records import Module
 from lightflyer.core.errors import ConfigurationError
 from lightflyer.core.extras import dumps
-from lightflyer.core.quantity import Correlation, Quantity, quantities_of, quantity_of, shapes_in
+from lightflyer.core.quantity import (
+    Correlation,
+    Quantity,
+    quantities_of,
+    quantity_of,
+    require_possible,
+    shapes_in,
+)
 from lightflyer.core.units import Measured, dataset_unit
 from lightflyer.design.setup import Setup
 from lightflyer.numerics.correlation import correlation_matrix
@@ -342,9 +349,12 @@ class ObjectDesign(AbstractDesign):
         moved = {name: value for name, value in (values or {}).items() if name in self._numbers}
         if not moved:
             return self._base
-        return tree.replace_at(
+        setup: Setup = tree.replace_at(
             lambda setup: [_at(setup, name) for name in moved], self._base, list(moved.values())
         )
+        if call.blanks:  # numbers that contradict each other become NaN, as those of a file
+            require_possible(setup)
+        return setup
 
     def description(self) -> dict[str, str]:
         base = self._base

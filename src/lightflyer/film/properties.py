@@ -21,10 +21,12 @@ from lightflyer.core.quantity import (
     AccommodationCoefficient,
     ArealDensity,
     Checked,
+    Contradictions,
     Correlation,
     Emittance,
     Fraction,
     Temperature,
+    contradiction_in,
 )
 from lightflyer.core.units import Measured
 from lightflyer.files.section import Alternative
@@ -49,23 +51,6 @@ _CONSERVED = (
 
 _PASSING = ("transmittance", "transmittance_bottom", "infrared_transmittance")
 FACES = ("tac_top", "tac_bottom")  # Numbers whose errors ``tac_correlation`` is about
-
-
-def require_conservation(properties: Mapping[str, Any]) -> None:
-    """Raise where more radiation is absorbed and transmitted than arrives."""
-    for passing, absorbing in _CONSERVED:
-        given = [
-            next((name for name in names if properties.get(name) is not None), "")
-            for names in (passing, absorbing)
-        ]
-        through, share = (properties.get(name) for name in given)  # type: Any, Any
-        if not is_concrete(through, share) or np.max(through) > 1.0 or np.max(share) > 1.0:
-            continue  # none, not known yet, or refused by its own range
-        if np.any(np.asarray(through) + np.asarray(share) > _WHOLE):
-            raise ParameterError(
-                f"{given[0]} = {np.max(through):g} and {given[1]} = {np.max(share):g} exceed 1 "
-                "together"
-            )
 
 
 class FilmProperties(Checked):
@@ -135,7 +120,30 @@ class FilmProperties(Checked):
                     ParameterWarning,
                     stacklevel=2,
                 )
-        require_conservation(vars(self))
+
+    @staticmethod
+    def contradiction(
+        absorptance: Numeric,
+        absorptance_bottom: Numeric | None,
+        transmittance: Numeric | None,
+        transmittance_bottom: Numeric | None,
+        emittance_top: Numeric,
+        emittance_bottom: Numeric,
+        infrared_transmittance: Numeric | None,
+    ) -> Contradictions:
+        """Where more radiation is absorbed and transmitted than arrives."""
+        known = {name: value for name, value in locals().items()
+                 if not (value is None or isinstance(value, EmittanceCurve))}  # fmt: skip
+        for pair in _CONSERVED:
+            names = [next((name for name in either if name in known), "") for either in pair]
+            if "" in names:
+                continue
+            values = [known[name] for name in names]
+            words = ""
+            if is_concrete(*values):
+                told = (f"{one} = {np.max(of):g}" for one, of in zip(names, values, strict=True))
+                words = f"{' and '.join(told)} exceed 1 together"
+            yield sum(values) > _WHOLE, words
 
     @property
     def tac_mean(self) -> Numeric:
@@ -427,12 +435,9 @@ class MeasuredFilmSection(FilmSection):
     def _both_emittances(self) -> "MeasuredFilmSection":
         if self.emittance is None and None in (self.emittance_top, self.emittance_bottom):
             raise ConfigurationError("give emittance, or both emittance_top and emittance_bottom")
-        try:
-            require_conservation(
-                {name: value.value for name, value in self.stated_values().items()}
-            )
-        except ParameterError as error:
-            raise ConfigurationError(str(error)) from error
+        stated = {name: value.value for name, value in self.stated_values().items()}
+        if problem := contradiction_in(FilmProperties, stated.get):
+            raise ConfigurationError(problem)
         return self
 
     def build(

@@ -63,6 +63,7 @@ def main() -> None:
     gc.set_threshold(50_000, 20, 100)  # collecting the garbage of imports takes time, saves none
     _keep_memory()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait on matrices as small as ours
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # or it asks each package for one
     # of a home that cannot be written, in which Matplotlib would keep its list of fonts
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from lightflyer.cli import main as run  # takes a while

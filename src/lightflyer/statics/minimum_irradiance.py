@@ -284,9 +284,9 @@ def _find_step_by_step(
                 looked = at, found, slopes, brightest, load
                 some = _advance(*tree.take_rows(looked, settled.shape, rows))
                 closer = tree.put_rows(closer, rows, some)
-            at = closer
-        else:
-            at = _select(settled, _advance(at, found, slopes, brightest, load), closer)
+        elif settled.any():
+            closer = _select(settled, _advance(at, found, slopes, brightest, load), closer)
+        at = closer
     return tree.put_rows(whole, places, at)
 
 

@@ -90,6 +90,34 @@ def test_a_film_warms_up_as_fast_as_its_heat_capacity_lets_it(still_air):
             assert warming == pytest.approx((750.0 - radiated) / (0.1 * 800.0), rel=1e-4)
 
 
+@pytest.mark.parametrize("velocity", [(0.0, 0.0, 0.0), (50.0, 20.0, -10.0)])
+def test_a_tilted_film_begins_to_move_by_its_weight_and_its_drag(velocity, film, still_air):
+    """At rest it falls straight down; drag along its normal and across goes with its azimuth."""
+    tilt, azimuth, altitude = 0.5, 2.0, 60e3
+    flyer = lf.Disk(film, 0.01, attitude=lf.environment.Attitude(tilt, azimuth))
+    vehicle = Vehicle(lf.Setup(flyer, still_air, lf.FreeMolecular()), lf.mission.Own())
+    place = Place(*(np.full((1, 1), part) for part in Place.at(PLACE["time"], 45.0, 10.0)))
+    law = Moving(vehicle, place.time, Limits(0.0, 200e3), lf.mission.Inertia(800.0))
+    start = Start(np.full((1, 1), altitude), place, np.array([[velocity]]))
+    with by_numpy():
+        found = 100.0 * law.rate(0.0, law.at_release(start))[0][0, 0, 4:7]
+    longitude, root = np.radians(10.0), np.sqrt(0.5)
+    up = np.array([root * np.cos(longitude), root * np.sin(longitude), root])
+    east = np.array([-np.sin(longitude), np.cos(longitude), 0.0])
+    north = np.cross(up, east)
+    aside = np.sin(azimuth) * east + np.cos(azimuth) * north
+    normal = np.sin(tilt) * aside + np.cos(tilt) * up
+    moving = np.array(velocity) @ [east, north, up]
+    axial, state = moving @ normal, still_air.state(altitude)
+    across = moving - axial * normal
+    speed = np.linalg.norm(across)
+    drag = flyer.drag(state, (0.0,), axial, "broadside") * normal
+    if speed:
+        drag = drag + flyer.drag(state, (0.0,), speed, "edgewise") * across / speed
+    expected = -9.6 * up - drag / flyer.mass - np.cross([0.0, 0.0, 2.0 * TURN], moving)
+    np.testing.assert_allclose(found, expected, atol=1e-8)
+
+
 @pytest.mark.parametrize("up", [None, 400.0])
 def test_a_fall_from_thin_air_is_that_of_newtons_law(up, closed_form_disk, still_air):
     altitude, flyer, air = 135e3, closed_form_disk(1e-2, inertia=0.0), still_air

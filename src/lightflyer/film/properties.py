@@ -41,14 +41,6 @@ from lightflyer.film.optics.curve import (
 from lightflyer.structure.laminate import Laminate
 
 _WHOLE = 1.0 + 1e-9  # all radiation, and rounding
-_CONSERVED = (
-    (("transmittance",), ("absorptance",)),
-    (("transmittance_bottom", "transmittance"), ("absorptance_bottom", "absorptance")),
-    (("infrared_transmittance",), ("emittance_top",)),
-    (("infrared_transmittance",), ("emittance_bottom",)),
-)
-"""What passes and what is absorbed, each by the name of the property and of its default."""
-
 _PASSING = ("transmittance", "transmittance_bottom", "infrared_transmittance")
 FACES = ("tac_top", "tac_bottom")  # Numbers whose errors ``tac_correlation`` is about
 
@@ -132,18 +124,27 @@ class FilmProperties(Checked):
         infrared_transmittance: Numeric | None,
     ) -> Contradictions:
         """Where more radiation is absorbed and transmitted than arrives."""
-        known = {name: value for name, value in locals().items()
-                 if not (value is None or isinstance(value, EmittanceCurve))}  # fmt: skip
-        for pair in _CONSERVED:
-            names = [next((name for name in either if name in known), "") for either in pair]
-            if "" in names:
+        passed, absorbed = ("transmittance", transmittance), ("absorptance", absorptance)
+        passed_up = "transmittance_bottom", transmittance_bottom
+        absorbed_below = "absorptance_bottom", absorptance_bottom
+        heat = "infrared_transmittance", infrared_transmittance
+        pairs: Any = (
+            (passed, absorbed),
+            (passed if transmittance_bottom is None else passed_up,
+             absorbed if absorptance_bottom is None else absorbed_below),
+            (heat, ("emittance_top", emittance_top)),
+            (heat, ("emittance_bottom", emittance_bottom)),
+        )  # fmt: skip
+        for (passing, through), (absorbing, share) in pairs:
+            if through is None or EmittanceCurve in (type(through), type(share)):
                 continue
-            values = [known[name] for name in names]
             words = ""
-            if is_concrete(*values):
-                told = (f"{one} = {np.max(of):g}" for one, of in zip(names, values, strict=True))
-                words = f"{' and '.join(told)} exceed 1 together"
-            yield sum(values) > _WHOLE, words
+            if is_concrete(through, share):
+                words = (
+                    f"{passing} = {np.max(through):g} and {absorbing} = {np.max(share):g} exceed 1 "
+                    "together"
+                )
+            yield through + share > _WHOLE, words
 
     @property
     def tac_mean(self) -> Numeric:

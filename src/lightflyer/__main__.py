@@ -19,9 +19,9 @@ import threading
 from typing import Any
 
 _FAILURE = 2
-_LEAST_MEMORY = 400_000_000  # bytes of addresses that NumPy, SciPy, xarray and Matplotlib take
+_LEAST_MEMORY = 480_000_000  # bytes of addresses; with figures and flights libraries take 460 MB
 _RAISE_THE_LIMIT = (
-    b"lightflyer: error: libraries need 400 MB of memory; raise the limit of it (ulimit -v)\n"
+    b"lightflyer: error: libraries need 480 MB of memory; raise the limit of it (ulimit -v)\n"
 )
 
 _BY_SIGNAL = 128  # what the exit code is of, with a signal's number

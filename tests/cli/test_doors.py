@@ -189,7 +189,7 @@ def test_closed_streams_change_nothing_else(flyer_file, tmp_path):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="of Linux")
-@pytest.mark.parametrize("limit", [150_000, 390_000])
+@pytest.mark.parametrize("limit", [150_000, 460_000])
 def test_too_little_memory_for_libraries_is_a_line(flyer_file, limit):
     """Where it would end depends on libraries; that of linear algebra ends the process itself."""
     done = command("predict", flyer_file(), "--samples 0", prefix=f"ulimit -v {limit};")

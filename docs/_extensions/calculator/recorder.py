@@ -199,9 +199,10 @@ class Recorder:
     def eval_shape(self, function: Callable[..., Any], *args: Any) -> Any:
         """What a function gives where no loop takes a step: of its shapes, which alone are used."""
         loop, self.lax.while_loop = self.lax.while_loop, lambda _goes_on, _body, state: state
-        found = function(*args)
-        self.lax.while_loop = loop
-        return found
+        try:
+            return function(*args)
+        finally:
+            self.lax.while_loop = loop
 
     def _while_loop(
         self, goes_on: Callable[[Any], Any], body: Callable[[Any], Any], state: Any
